@@ -1,0 +1,2 @@
+//! The footpoint command.
+fn main() {}

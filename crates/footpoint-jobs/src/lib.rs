@@ -1,0 +1,1 @@
+//! footpoint-jobs.
