@@ -1,1 +1,52 @@
-//! footpoint.
+//! footpoint computes with the smooth surface that a point cloud describes: the *point set surface* of Alexa and
+//! Adamson, "On Normals and Projection Operators for Surfaces Defined by Point Sets" (2004).
+//!
+//! The surface is where f(x) = n(x)·(x − a(x)) vanishes: a is the weighted average of the samples around x, n the
+//! normal of a frame fitted to them. The normal of that surface is not n but ∇f, which is computed exactly.
+//!
+//! ```
+//! use footpoint::{Cloud, Definition, Project, Queries, Surface, Want, samples};
+//!
+//! let cloud = Cloud::new(samples::sphere(1.0, 5000, 1).points);
+//! let surface = Surface::new(cloud, Definition::default())?;
+//! println!("support radius {:.3}", surface.support().median);
+//!
+//! let normals = surface.evaluate(Queries::Samples, Want::SURFACE_NORMAL).surface_normal;
+//! assert_eq!(normals.len(), 5000);
+//! let feet = surface.project(&[[0.0, 0.0, 1.1]], &Project::default());
+//! assert!(feet.status[0].is_ok() && (feet.distance[0] - 0.1).abs() < 0.02);
+//! # Ok::<(), footpoint::Error>(())
+//! ```
+//!
+//! A tour: [`Cloud`] holds the samples with optional normals, supports and factors; [`Definition`] says which surface
+//! they define ([`Weight`], [`Support`], [`NormalField`], [`Acceptance`]); [`Surface`] answers questions:
+//! [`Surface::evaluate`] gives f, ∇f and what belongs to them, [`Surface::project`] takes points to the surface.
+//! Every answer has a [`Status`]. [`Run`] says how to run: threads, progress, cancelling.
+
+mod algebra;
+mod cloud;
+mod columns;
+mod definition;
+mod eigen;
+mod engine;
+mod evaluator;
+mod field;
+mod grid;
+mod lane;
+mod project;
+mod run;
+pub mod samples;
+mod status;
+mod support;
+mod surface;
+mod weight;
+
+pub use cloud::{Cloud, CloudError};
+pub use definition::{Acceptance, Definition, DefinitionError, Error, Kind};
+pub use field::NormalField;
+pub use project::{Operator, Project, Projections, Trace};
+pub use run::{Cancelled, Progress, Run};
+pub use status::Status;
+pub use support::{Support, SupportError, SupportSummary, spacing};
+pub use surface::{Evaluations, Queries, Running, Sign, Surface, Want};
+pub use weight::Weight;

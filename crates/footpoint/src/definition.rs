@@ -1,0 +1,206 @@
+//! What is computed: the surface's definition, which can be written down and replayed.
+
+use crate::cloud::CloudError;
+use crate::field::NormalField;
+use crate::run::Cancelled;
+use crate::support::{Support, SupportError};
+use crate::weight::Weight;
+
+/// Which surface the samples define.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum Kind {
+    /// f(x) = n(x)·(x − a(x)) (eq. 2) with this normal field.
+    #[non_exhaustive]
+    PointSet {
+        /// The normal field n.
+        field: NormalField,
+    },
+}
+
+impl Default for Kind {
+    fn default() -> Self {
+        Self::PointSet { field: NormalField::default() }
+    }
+}
+
+/// When a zero of f belongs to the surface (SPEC § 8).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Acceptance {
+    /// Least n·∇f; below it the point is *singular*. Default 0.3.
+    pub alignment: f64,
+    /// Least gap; below it the point is *degenerate*. Default 0.1.
+    pub gap: f64,
+    /// Largest |a − x| across n in units of the local support; above it the point is *boundary*. `None` takes the
+    /// value that suits weight and field (0.5 for the default definition).
+    pub boundary: Option<f64>,
+}
+
+impl Default for Acceptance {
+    fn default() -> Self {
+        Self { alignment: 0.3, gap: 0.1, boundary: None }
+    }
+}
+
+impl Acceptance {
+    /// Accepts every zero of f at which a frame exists.
+    pub const EVERY_ZERO: Self =
+        Self { alignment: f64::NEG_INFINITY, gap: 0.0, boundary: Some(f64::INFINITY) };
+}
+
+/// The surface's definition: kind, weight, support rule, domain and acceptance. The default is the recommended one:
+/// centred covariance, `Poly3`, automatic uniform support.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default))]
+pub struct Definition {
+    kind: Kind,
+    weight: Weight,
+    support: Support,
+    domain_ratio: f64,
+    acceptance: Acceptance,
+}
+
+impl Default for Definition {
+    fn default() -> Self {
+        Self {
+            kind: Kind::default(),
+            weight: Weight::default(),
+            support: Support::default(),
+            domain_ratio: 1.0,
+            acceptance: Acceptance::default(),
+        }
+    }
+}
+
+impl Definition {
+    /// The recommended definition.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Takes this normal field.
+    pub fn with_field(mut self, field: NormalField) -> Self {
+        self.kind = Kind::PointSet { field };
+        self
+    }
+
+    /// Takes this weight.
+    pub fn with_weight(mut self, weight: Weight) -> Self {
+        self.weight = weight;
+        self
+    }
+
+    /// Takes this rule for the support radii.
+    pub fn with_support(mut self, support: Support) -> Self {
+        self.support = support;
+        self
+    }
+
+    /// Radius of the domain's balls (eq. 1) as a share of the support's, above 0 and at most 1 (the default).
+    pub fn with_domain_ratio(mut self, ratio: f64) -> Self {
+        self.domain_ratio = ratio;
+        self
+    }
+
+    /// Takes this rule for accepting zeros of f.
+    pub fn with_acceptance(mut self, acceptance: Acceptance) -> Self {
+        self.acceptance = acceptance;
+        self
+    }
+
+    /// Which surface.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// The normal field.
+    pub fn field(&self) -> NormalField {
+        let Kind::PointSet { field } = self.kind;
+        field
+    }
+
+    /// The weight.
+    pub fn weight(&self) -> Weight {
+        self.weight
+    }
+
+    /// The rule for the support radii.
+    pub fn support(&self) -> Support {
+        self.support
+    }
+
+    /// The domain's share of the support.
+    pub fn domain_ratio(&self) -> f64 {
+        self.domain_ratio
+    }
+
+    /// The rule for accepting zeros of f.
+    pub fn acceptance(&self) -> Acceptance {
+        self.acceptance
+    }
+
+    /// The bound b on |a − x|/h that holds in this dimension.
+    pub fn boundary_limit<const D: usize>(&self) -> f64 {
+        self.acceptance.boundary.unwrap_or_else(|| match self.field() {
+            NormalField::Covariance => self.weight.boundary_limit_about_x(D),
+            _ => self.weight.boundary_limit(),
+        })
+    }
+
+    pub(crate) fn check(&self) -> Result<(), DefinitionError> {
+        if !(self.domain_ratio > 0.0 && self.domain_ratio <= 1.0) {
+            return Err(DefinitionError::DomainRatio(self.domain_ratio));
+        }
+        match self.weight {
+            Weight::Gaussian { cut } if !(1e-300..1.0).contains(&cut) => {
+                return Err(DefinitionError::Cut(cut));
+            }
+            _ => {}
+        }
+        let Acceptance { alignment, gap, boundary } = self.acceptance;
+        match [alignment, gap, boundary.unwrap_or(0.0)].into_iter().find(|limit| limit.is_nan()) {
+            Some(limit) => Err(DefinitionError::Acceptance(limit)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A definition that makes no sense, or does not suit its cloud.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DefinitionError {
+    /// The domain ratio is not above 0 and at most 1.
+    #[error("domain ratio {0}: it must be above 0 and at most 1")]
+    DomainRatio(f64),
+    /// The Gaussian's cut is not between 0 and 1.
+    #[error("Gaussian cut {0}: it must lie between 1e-300 and 1")]
+    Cut(f64),
+    /// A limit of the acceptance rule is not a number.
+    #[error("a limit of the acceptance rule is {0}: it must be a number")]
+    Acceptance(f64),
+    /// The normal field averages normals, and no sample has one.
+    #[error("the normal field {0:?} needs normals, and no sample has a usable one: use a covariance field")]
+    NormalsAbsent(NormalField),
+}
+
+/// Why a surface cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A column does not fit its cloud.
+    #[error(transparent)]
+    Cloud(#[from] CloudError),
+    /// The definition makes no sense, or does not suit the cloud.
+    #[error(transparent)]
+    Definition(#[from] DefinitionError),
+    /// No support can be had.
+    #[error(transparent)]
+    Support(#[from] SupportError),
+    /// The computation was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}

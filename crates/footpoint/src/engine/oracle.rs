@@ -1,0 +1,87 @@
+//! The oracle: every sum over all samples, every derivative as SPEC § 4 writes it, nothing clever.
+
+use crate::algebra::{Matrix, add, dot, length, scale, sub};
+use crate::eigen::eigen;
+use crate::field::NormalField;
+use crate::weight::{Kernel, Weight, with_kernel};
+
+/// f, n and ∇f at one point, up to one common sign.
+pub(crate) struct Answer<const D: usize> {
+    pub(crate) value: f64,
+    pub(crate) normal: [f64; D],
+    pub(crate) gradient: [f64; D],
+    pub(crate) average: [f64; D],
+}
+
+/// A sample: point, normal, support, factor.
+pub(crate) type Sample<const D: usize> = ([f64; D], [f64; D], f64, f64);
+
+pub(crate) fn evaluate<const D: usize>(
+    samples: &[Sample<D>],
+    weight: Weight,
+    field: NormalField,
+    x: [f64; D],
+) -> Answer<D> {
+    let weights = |r2: f64, h: f64, factor: f64| with_kernel!(weight, k => (factor * k.theta(r2 / (h * h)), factor * k.psi(r2 / (h * h)) / (h * h)));
+    let outer = |a: [f64; D], b: [f64; D]| -> Matrix<f64, D> { a.map(|ai| b.map(|bj| ai * bj)) };
+    let plus = |m: &mut Matrix<f64, D>, o: Matrix<f64, D>, s: f64| {
+        (0..D).for_each(|i| (0..D).for_each(|j| m[i][j] += s * o[i][j]));
+    };
+    let (mut s, mut m, mut nv) = (0.0, [0.0; D], [0.0; D]);
+    for &(p, normal, h, factor) in samples {
+        let d = sub(p, x);
+        let (theta, _) = weights(dot(d, d), h, factor);
+        s += theta;
+        m = add(m, scale(d, theta));
+        nv = add(nv, scale(normal, theta));
+    }
+    let u = scale(m, 1.0 / s);
+    // What the frame is fitted to: d, e = d − u, or n_i.
+    let vector = |d: [f64; D], normal: [f64; D]| match field {
+        NormalField::Covariance => d,
+        NormalField::CentredCovariance => sub(d, u),
+        NormalField::AveragedNormals | NormalField::AveragedAxes => normal,
+    };
+    let (mut matrix, mut ds, mut dm) = ([[0.0; D]; D], [0.0; D], [[0.0; D]; D]);
+    let (mut dmatrix, mut dnv) = ([[[0.0; D]; D]; D], [[0.0; D]; D]);
+    for &(p, normal, h, factor) in samples {
+        let d = sub(p, x);
+        let v = vector(d, normal);
+        let (theta, psi) = weights(dot(d, d), h, factor);
+        plus(&mut matrix, outer(v, v), theta);
+        for k in 0..D {
+            ds[k] -= psi * d[k];
+            dm[k] = add(dm[k], scale(d, -psi * d[k]));
+            dnv[k] = add(dnv[k], scale(normal, -psi * d[k]));
+            plus(&mut dmatrix[k], outer(v, v), -psi * d[k]);
+        }
+    }
+    for k in 0..D {
+        dm[k][k] -= s;
+        if field == NormalField::Covariance {
+            let e: [f64; D] = std::array::from_fn(|i| f64::from(u8::from(i == k)));
+            plus(&mut dmatrix[k], outer(e, m), -1.0);
+            plus(&mut dmatrix[k], outer(m, e), -1.0);
+        }
+    }
+    let pairs = eigen(matrix);
+    let own = if field == NormalField::AveragedAxes { D - 1 } else { 0 };
+    let n = match field {
+        NormalField::AveragedNormals => scale(nv, 1.0 / length(nv)),
+        _ => pairs.vectors[own],
+    };
+    let gradient = std::array::from_fn(|k| {
+        let dn = if field == NormalField::AveragedNormals {
+            scale(sub(dnv[k], scale(n, dot(n, dnv[k]))), 1.0 / length(nv))
+        } else {
+            let turned: [f64; D] = dmatrix[k].map(|row| dot(row, n));
+            (0..D).filter(|&j| j != own).fold([0.0; D], |sum, j| {
+                let v = pairs.vectors[j];
+                sub(sum, scale(v, dot(v, turned) / (pairs.values[j] - pairs.values[own])))
+            })
+        };
+        let du = scale(sub(dm[k], scale(u, ds[k])), 1.0 / s);
+        -dot(dn, u) - dot(n, du)
+    });
+    Answer { value: -dot(n, u), normal: n, gradient, average: add(x, u) }
+}

@@ -1,0 +1,244 @@
+//! How a computation runs: threads, progress, cancelling.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Blocks that one thread takes at a time: enough to hide the bookkeeping, few enough to share evenly.
+#[cfg(feature = "threads")]
+const BLOCKS_AT_A_TIME: usize = 64;
+
+/// How to run: who does not care takes the default (all cores, silent, not cancellable).
+///
+/// Results have the same bits for any number of threads. Threads belong to the library's own pool, which is made on
+/// first use and made again after a fork.
+#[derive(Clone, Copy, Default)]
+pub struct Run<'r> {
+    threads: Option<usize>,
+    progress: Option<&'r (dyn Fn(Progress) + Sync)>,
+    cancel: Option<&'r AtomicBool>,
+}
+
+/// How far a computation has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Points finished.
+    pub done: usize,
+    /// Points in all.
+    pub total: usize,
+}
+
+/// The computation was cancelled through its [`Run`]; nothing of it is returned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+impl<'r> Run<'r> {
+    /// All cores, silent, not cancellable.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Uses this many threads; 0 means one per core.
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = (threads > 0).then_some(threads);
+        self
+    }
+
+    /// Calls `report` now and then, from any thread, with the number of points finished.
+    pub fn progress(mut self, report: &'r (dyn Fn(Progress) + Sync)) -> Self {
+        self.progress = Some(report);
+        self
+    }
+
+    /// Stops soon after `flag` becomes true.
+    pub fn cancel(mut self, flag: &'r AtomicBool) -> Self {
+        self.cancel = Some(flag);
+        self
+    }
+
+    fn cancelled(&self) -> Result<(), Cancelled> {
+        match self.cancel {
+            Some(flag) if flag.load(Ordering::Relaxed) => Err(Cancelled),
+            _ => Ok(()),
+        }
+    }
+
+    /// Calls `work` for every block, each thread with a state of its own from `state`.
+    pub(crate) fn for_each_block<S>(
+        &self,
+        blocks: &[Range<usize>],
+        state: impl Fn() -> S + Sync + Send,
+        work: impl Fn(&mut S, Range<usize>) + Sync + Send,
+    ) -> Result<(), Cancelled> {
+        let total = blocks.last().map_or(0, |block| block.end);
+        let done = AtomicUsize::new(0);
+        let several = |state: &mut S, blocks: &[Range<usize>]| {
+            self.cancelled()?;
+            let mut points = 0;
+            for block in blocks {
+                work(state, block.clone());
+                points += block.len();
+            }
+            let done = done.fetch_add(points, Ordering::Relaxed) + points;
+            if let Some(report) = self.progress {
+                report(Progress { done, total });
+            }
+            Ok(())
+        };
+        #[cfg(feature = "threads")]
+        {
+            use rayon::prelude::*;
+            self.install(|| {
+                blocks.par_chunks(BLOCKS_AT_A_TIME).with_max_len(16).try_for_each_init(state, several)
+            })
+        }
+        #[cfg(not(feature = "threads"))]
+        {
+            let mut state = state();
+            blocks.chunks(64).try_for_each(|chunk| several(&mut state, chunk))
+        }
+    }
+
+    /// `work(0)`, …, `work(count − 1)` in order.
+    pub(crate) fn map<T: Send>(
+        &self,
+        count: usize,
+        work: impl Fn(usize) -> T + Sync + Send,
+    ) -> Result<Vec<T>, Cancelled> {
+        let checked = |i: usize| {
+            if i.is_multiple_of(1024) {
+                self.cancelled()?;
+            }
+            Ok(work(i))
+        };
+        #[cfg(feature = "threads")]
+        {
+            use rayon::prelude::*;
+            self.install(|| (0..count).into_par_iter().with_min_len(64).map(checked).collect())
+        }
+        #[cfg(not(feature = "threads"))]
+        {
+            (0..count).map(checked).collect()
+        }
+    }
+
+    /// Sorts by a total order, so that the result is the same for any number of threads.
+    pub(crate) fn sort<T: Send>(
+        &self,
+        items: &mut [T],
+        order: impl Fn(&T, &T) -> std::cmp::Ordering + Sync + Send,
+    ) {
+        #[cfg(feature = "threads")]
+        {
+            use rayon::prelude::*;
+            self.install(|| items.par_sort_unstable_by(order));
+        }
+        #[cfg(not(feature = "threads"))]
+        {
+            items.sort_unstable_by(order);
+        }
+    }
+
+    /// Runs `work` inside the library's pool with the threads asked for.
+    #[cfg(feature = "threads")]
+    fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match pool::with_threads(self.threads) {
+            Some(pool) => pool.install(work),
+            // No thread can be made here (a sandbox, a limit): the calling thread's pool still gives the answer.
+            None => work(),
+        }
+    }
+}
+
+impl std::fmt::Debug for Run<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Run").field("threads", &self.threads).finish_non_exhaustive()
+    }
+}
+
+/// The library's own threads.
+#[cfg(feature = "threads")]
+mod pool {
+    use rayon::{ThreadPool, ThreadPoolBuilder};
+    use std::sync::{Arc, Mutex, PoisonError};
+
+    struct Kept {
+        process: u32,
+        threads: usize,
+        pool: Arc<ThreadPool>,
+    }
+
+    static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
+
+    /// The pool with this many threads (all cores for `None`); the last one used is kept.
+    pub(super) fn with_threads(threads: Option<usize>) -> Option<Arc<ThreadPool>> {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = threads.unwrap_or_else(cores);
+        // A forked child has the pool's memory without its threads.
+        let process = std::process::id();
+        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kept) = kept.as_ref().filter(|k| k.process == process && k.threads == threads) {
+            return Some(Arc::clone(&kept.pool));
+        }
+        let named = |i| format!("footpoint-{i}");
+        let pool = Arc::new(ThreadPoolBuilder::new().num_threads(threads).thread_name(named).build().ok()?);
+        if let Some(old) = kept.replace(Kept { process, threads, pool: Arc::clone(&pool) }) {
+            if old.process != process {
+                // Waiting for the parent's threads would never end.
+                std::mem::forget(old);
+            }
+        }
+        Some(pool)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    fn blocks(count: usize) -> Vec<Range<usize>> {
+        (0..count).map(|i| 3 * i..3 * i + 3).collect()
+    }
+
+    #[test]
+    fn every_block_is_done_once_and_progress_reaches_the_total() {
+        for threads in [0, 1, 2, 5] {
+            let seen = Mutex::new(vec![0; 3000]);
+            let last = AtomicUsize::new(0);
+            let report = |p: Progress| {
+                assert_eq!(p.total, 3000);
+                last.fetch_max(p.done, Ordering::Relaxed);
+            };
+            let run = Run::new().threads(threads).progress(&report);
+            run.for_each_block(
+                &blocks(1000),
+                || (),
+                |(), block| {
+                    for i in block {
+                        seen.lock().unwrap()[i] += 1;
+                    }
+                },
+            )
+            .unwrap();
+            assert!(seen.lock().unwrap().iter().all(|&count| count == 1));
+            assert_eq!(last.load(Ordering::Relaxed), 3000);
+        }
+    }
+
+    #[test]
+    fn cancelling_stops_the_work() {
+        let flag = AtomicBool::new(false);
+        let done = AtomicUsize::new(0);
+        let result = Run::new().threads(1).cancel(&flag).for_each_block(
+            &blocks(100_000),
+            || (),
+            |(), _| {
+                done.fetch_add(1, Ordering::Relaxed);
+                flag.store(true, Ordering::Relaxed);
+            },
+        );
+        assert_eq!(result, Err(Cancelled));
+        assert!(done.load(Ordering::Relaxed) < 1000);
+    }
+}
