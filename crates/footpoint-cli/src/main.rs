@@ -1,2 +1,89 @@
-//! The footpoint command.
-fn main() {}
+//! The `footpoint` command: arguments to job to report.
+
+mod args;
+mod print;
+mod progress;
+
+use args::{Arguments, Verb};
+use clap::Parser;
+use footpoint_jobs as jobs;
+use footpoint_jobs::{Context, JobError, Report, Run};
+use std::io::{self, Write};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Nothing done: wrong usage or input.
+const NOTHING_DONE: u8 = 2;
+/// More points without an answer than `--strict` allows.
+const NOT_STRICT: u8 = 1;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let common = arguments.verb.common();
+    let cancelled = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&cancelled);
+    // Without the handler an interrupt ends the program at once, which is no worse than before.
+    let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+
+    let progress = progress::Bar::new(common.verbosity());
+    let report = |p| progress.show(p);
+    let run = Run::new().threads(common.threads).cancel(&cancelled).progress(&report);
+    let result = common.recipe().and_then(|recipe| {
+        let context = Context { recipe, overwrite: common.overwrite(), run };
+        work(&arguments.verb, context).map_err(|error| error.to_string())
+    });
+    progress.finish();
+    match result.and_then(|report| finish(&arguments.verb, &report)) {
+        Ok(code) => code,
+        Err(problem) => {
+            // Nothing can be said where even the error stream is closed.
+            let _ = writeln!(io::stderr(), "footpoint: {problem}");
+            ExitCode::from(NOTHING_DONE)
+        }
+    }
+}
+
+/// Runs the job of a verb.
+fn work(verb: &Verb, mut context: Context<'_>) -> Result<Report, JobError> {
+    match verb {
+        Verb::Demo(a) => {
+            a.adjust(&mut context.recipe);
+            jobs::demo(&a.plan(), &context)
+        }
+        Verb::Info(a) => jobs::info(&a.input, &context),
+        Verb::Evaluate(a) => jobs::evaluate(&a.cloud, &a.at, &a.output, &a.extra(), &context),
+        Verb::Normals(a) => jobs::normals(&a.input, &a.output, a.choice(), &context),
+        Verb::Project(a) => {
+            a.adjust(&mut context.recipe);
+            jobs::project(&a.input, a.onto.as_deref(), &a.output, &context)
+        }
+    }
+}
+
+/// Prints what is to be printed and judges the statuses.
+fn finish(verb: &Verb, report: &Report) -> Result<ExitCode, String> {
+    let common = verb.common();
+    let mut results = String::new();
+    let mut messages = String::new();
+    if common.json {
+        results = serde_json::to_string_pretty(report).map_err(|error| error.to_string())? + "\n";
+    } else if matches!(verb, Verb::Demo(_) | Verb::Info(_)) {
+        results = print::report(report, common.verbosity());
+    } else {
+        messages = print::report(report, common.verbosity());
+    }
+    let allowed = common.strict.unwrap_or(f64::INFINITY) * report.points as f64;
+    let strict = report.not_ok() as f64 > allowed;
+    if strict {
+        messages += &format!("strict: {} of {} points are not ok\n", report.not_ok(), report.points);
+    }
+    match io::stdout().write_all(results.as_bytes()).and_then(|()| io::stdout().flush()) {
+        // A reader that has seen enough is no error.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => return Err(error.to_string()),
+        _ => {}
+    }
+    // The result stands in the file even if nobody reads the messages.
+    let _ = io::stderr().write_all(messages.as_bytes());
+    Ok(if strict { ExitCode::from(NOT_STRICT) } else { ExitCode::SUCCESS })
+}

@@ -1,1 +1,42 @@
-//! footpoint-io.
+//! Point-cloud files as tables of columns.
+//!
+//! This crate turns the bytes of a file into a [`Table`] of named columns and back; what the columns
+//! mean (coordinates, normals) is the business of [`roles`] alone. Every column of a file is kept in its
+//! own type and in its own place, so a job can add columns and write the rest back untouched.
+//!
+//! Reading: PLY (ascii, little and big endian) and text (`xyz csv txt pts pwn xy`, with or without a
+//! header), each also gzipped. Writing: the same formats, uncompressed, never half a file.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("points.xyz");
+//! # std::fs::write(&path, "0 0 0\n1 0 0.5\n")?;
+//! use footpoint_io::{Column, Data, WriteOptions, read, roles::Roles, write};
+//!
+//! let mut input = read(&path)?;
+//! let roles = Roles::find(&input.table)?;
+//! assert_eq!(roles.dimension(), 3);
+//! input.table.set(Column::new("distance", Data::F64(vec![0.0; input.table.rows()])));
+//! write(&folder.path().join("points.ply"), &input.table, &WriteOptions::default())?;
+//! # Ok(())
+//! # }
+//! ```
+
+mod excerpt;
+mod format;
+mod input;
+mod output;
+mod ply;
+pub mod roles;
+mod scalar;
+mod source;
+mod table;
+mod text;
+
+pub use format::{Encoding, Format};
+pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read};
+pub use output::{Overwrite, WriteError, WriteOptions, WriteProblem, check_table, check_writable, write};
+pub use ply::PlyError;
+pub use table::{Column, Data, Table};
+pub use text::TextError;

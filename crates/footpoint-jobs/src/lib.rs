@@ -1,1 +1,117 @@
-//! footpoint-jobs.
+//! The work behind footpoint's commands: files in, files and a report out.
+//!
+//! The command line, and every other front, calls these jobs and holds no geometry of its own. Each job checks its
+//! output before it computes, keeps every column and the order of its input, and leaves no partial file behind.
+
+mod clock;
+mod demo;
+mod evaluate;
+mod info;
+mod load;
+mod normals;
+mod output;
+mod project;
+mod report;
+pub mod scan;
+
+pub use clock::{Spent, Times};
+pub use demo::{DemoPlan, DemoReport, demo};
+pub use evaluate::{Extra, evaluate};
+pub use info::{InfoReport, NormalsReport, info};
+pub use normals::{NormalChoice, normals};
+pub use project::project;
+pub use report::{
+    InputReport, MovedReport, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
+};
+
+/// What the jobs take from the library, so that a front needs no other crate.
+pub use footpoint::{
+    Acceptance, Definition, NormalField, Operator, Progress, Project, Run, Status, Support, Weight,
+};
+pub use footpoint_io::Overwrite;
+
+use std::path::PathBuf;
+
+/// What every job needs beside its files.
+#[derive(Clone, Debug, Default)]
+pub struct Context<'r> {
+    /// What to compute.
+    pub recipe: Recipe,
+    /// What to do about output files that exist.
+    pub overwrite: Overwrite,
+    /// Threads, progress, cancelling.
+    pub run: Run<'r>,
+}
+
+/// Why a job gave nothing; no file was written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JobError {
+    /// A file cannot be read.
+    #[error(transparent)]
+    Read(#[from] footpoint_io::ReadError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] footpoint_io::WriteError),
+    /// A file has no coordinates.
+    #[error("{}: {problem}", path.display())]
+    Roles {
+        /// The file.
+        path: PathBuf,
+        /// What is missing.
+        problem: footpoint_io::roles::RolesError,
+    },
+    /// A file without a single point.
+    #[error("{0}: the file has no points")]
+    NoPoints(String),
+    /// A column that was asked for is absent or holds text.
+    #[error("{path}: no column of numbers named `{name}`; columns found: {found}")]
+    Column {
+        /// The file.
+        path: String,
+        /// The column asked for.
+        name: String,
+        /// The columns there are.
+        found: String,
+    },
+    /// Two files of different dimensions.
+    #[error("{first} has {first_dimension}-D points and {second} {second_dimension}-D ones: they must agree")]
+    Dimensions {
+        /// The cloud.
+        first: String,
+        /// Its dimension.
+        first_dimension: usize,
+        /// The other file.
+        second: String,
+        /// Its dimension.
+        second_dimension: usize,
+    },
+    /// The cloud's columns do not fit.
+    #[error(transparent)]
+    Cloud(#[from] footpoint::CloudError),
+    /// No surface can be made of the file.
+    #[error("{path}: {problem}")]
+    Surface {
+        /// The file.
+        path: String,
+        /// What stands against it.
+        problem: footpoint::Error,
+    },
+    /// A folder cannot be made.
+    #[error("{}: cannot make this folder: {problem}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        problem: std::io::Error,
+    },
+    /// The job was cancelled.
+    #[error("cancelled; nothing was written")]
+    Cancelled,
+}
+
+impl From<footpoint::Cancelled> for JobError {
+    fn from(_: footpoint::Cancelled) -> Self {
+        Self::Cancelled
+    }
+}

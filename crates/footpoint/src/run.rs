@@ -56,6 +56,11 @@ impl<'r> Run<'r> {
         self
     }
 
+    /// The same run without its progress.
+    pub fn silent(self) -> Self {
+        Self { progress: None, ..self }
+    }
+
     fn cancelled(&self) -> Result<(), Cancelled> {
         match self.cancel {
             Some(flag) if flag.load(Ordering::Relaxed) => Err(Cancelled),

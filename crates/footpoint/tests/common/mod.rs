@@ -1,6 +1,11 @@
-//! What several tests need: the shared golden numbers and data, where they stand beside the project.
+//! What several tests need: the shared golden numbers and data, where they stand beside the project; clouds with
+//! every column; comparison by bits.
 #![allow(dead_code)]
 
+use footpoint::samples::{Random, Samples};
+use footpoint::{
+    Cloud, Definition, Evaluations, NormalField, Operator, Projections, Support, Surface, Weight,
+};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -34,6 +39,10 @@ pub(crate) fn sub<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
+pub(crate) fn add<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|k| a[k] + b[k])
+}
+
 pub(crate) fn scale<const D: usize>(a: [f64; D], s: f64) -> [f64; D] {
     a.map(|c| c * s)
 }
@@ -45,4 +54,230 @@ pub(crate) fn length<const D: usize>(a: [f64; D]) -> f64 {
 /// The part of `a` across the unit vector `n`.
 pub(crate) fn across<const D: usize>(a: [f64; D], n: [f64; D]) -> [f64; D] {
     sub(a, scale(n, dot(a, n)))
+}
+
+pub(crate) const FIELDS: [NormalField; 4] = [
+    NormalField::Covariance,
+    NormalField::CentredCovariance,
+    NormalField::AveragedNormals,
+    NormalField::AveragedAxes,
+];
+
+pub(crate) const OPERATORS: [Operator; 3] =
+    [Operator::Basic, Operator::AlmostOrthogonal, Operator::Orthogonal];
+
+/// Every weight, each with the share of h that gives it about as many neighbours as the others; the Gaussian's cut
+/// is so low that its step does not show.
+pub(crate) const WEIGHTS: [(Weight, f64); 5] = [
+    (Weight::Poly2, 0.9),
+    (Weight::Poly3, 1.0),
+    (Weight::Poly4, 1.1),
+    (Weight::Wendland, 1.2),
+    (Weight::Gaussian { cut: 1e-16 }, 0.5),
+];
+
+/// Which columns a cloud carries beside points and normals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Variant {
+    Uniform,
+    PerSample,
+    Factors,
+    PerSampleAndFactors,
+}
+
+pub(crate) const VARIANTS: [Variant; 4] =
+    [Variant::Uniform, Variant::PerSample, Variant::Factors, Variant::PerSampleAndFactors];
+
+/// What a surface is made of, as plain columns that a test can change and the brute force can read.
+#[derive(Clone, Debug)]
+pub(crate) struct Columns<const D: usize> {
+    pub(crate) points: Vec<[f64; D]>,
+    pub(crate) normals: Option<Vec<[f64; D]>>,
+    /// Used if given; else `radius`.
+    pub(crate) supports: Option<Vec<f64>>,
+    pub(crate) factors: Option<Vec<f64>>,
+    pub(crate) radius: f64,
+}
+
+impl<const D: usize> Columns<D> {
+    /// The samples with their normals; supports vary by ± 25 %, factors from a half to one and a half.
+    pub(crate) fn new(samples: &Samples<D>, radius: f64, variant: Variant) -> Self {
+        let mut random = Random::new(77);
+        let count = samples.points.len();
+        let mut column = |low: f64, high: f64| -> Vec<f64> {
+            (0..count).map(|_| low + (high - low) * random.uniform()).collect()
+        };
+        let supports = column(0.75 * radius, 1.25 * radius);
+        let factors = column(0.5, 1.5);
+        let per_sample = matches!(variant, Variant::PerSample | Variant::PerSampleAndFactors);
+        let with_factors = matches!(variant, Variant::Factors | Variant::PerSampleAndFactors);
+        Self {
+            points: samples.points.clone(),
+            normals: Some(samples.normals.clone()),
+            supports: per_sample.then_some(supports),
+            factors: with_factors.then_some(factors),
+            radius,
+        }
+    }
+
+    pub(crate) fn cloud(&self) -> Cloud<D> {
+        let mut cloud = Cloud::new(self.points.clone());
+        if let Some(normals) = &self.normals {
+            cloud = cloud.with_normals(normals.clone()).unwrap();
+        }
+        if let Some(supports) = &self.supports {
+            cloud = cloud.with_supports(supports.clone()).unwrap();
+        }
+        if let Some(factors) = &self.factors {
+            cloud = cloud.with_factors(factors.clone()).unwrap();
+        }
+        cloud
+    }
+
+    pub(crate) fn support(&self) -> Support {
+        if self.supports.is_some() { Support::FromSamples } else { Support::Uniform(self.radius) }
+    }
+
+    pub(crate) fn surface(&self, definition: Definition) -> Surface<D> {
+        Surface::new(self.cloud(), definition.with_support(self.support())).unwrap()
+    }
+
+    pub(crate) fn field(&self, field: NormalField) -> Surface<D> {
+        self.surface(Definition::new().with_field(field))
+    }
+
+    /// The samples at these places, in this order.
+    pub(crate) fn select(&self, places: &[usize]) -> Self {
+        fn pick<T: Copy>(column: &[T], places: &[usize]) -> Vec<T> {
+            places.iter().map(|&i| column[i]).collect()
+        }
+        Self {
+            points: pick(&self.points, places),
+            normals: self.normals.as_ref().map(|c| pick(c, places)),
+            supports: self.supports.as_ref().map(|c| pick(c, places)),
+            factors: self.factors.as_ref().map(|c| pick(c, places)),
+            radius: self.radius,
+        }
+    }
+}
+
+/// A random point of the cube between −1 and 1.
+pub(crate) fn in_cube<const D: usize>(random: &mut Random) -> [f64; D] {
+    std::array::from_fn(|_| 2.0 * random.uniform() - 1.0)
+}
+
+/// `count` random samples, each moved by a random vector of at most `reach` along every axis.
+pub(crate) fn near_samples<const D: usize>(
+    points: &[[f64; D]],
+    count: usize,
+    reach: f64,
+    seed: u64,
+) -> Vec<[f64; D]> {
+    let mut random = Random::new(seed);
+    (0..count)
+        .map(|_| {
+            let p = points[(random.uniform() * points.len() as f64) as usize];
+            add(p, scale(in_cube(&mut random), reach))
+        })
+        .collect()
+}
+
+/// A permutation of 0, …, count − 1.
+pub(crate) fn shuffled(count: usize, seed: u64) -> Vec<usize> {
+    let mut random = Random::new(seed);
+    let mut order: Vec<usize> = (0..count).collect();
+    for i in (1..count).rev() {
+        order.swap(i, (random.uniform() * (i + 1) as f64) as usize);
+    }
+    order
+}
+
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |m: f64, v| if v > m || v.is_nan() { v } else { m })
+}
+
+/// An even sampling of the unit sphere, with its normals.
+pub(crate) fn fibonacci_sphere(count: usize) -> Samples<3> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let points: Vec<[f64; 3]> = (0..count)
+        .map(|i| {
+            let z = 1.0 - (2 * i + 1) as f64 / count as f64;
+            let (sine, cosine) = (golden * i as f64).sin_cos();
+            let r = (1.0 - z * z).sqrt();
+            [r * cosine, r * sine, z]
+        })
+        .collect();
+    Samples { normals: points.clone(), points }
+}
+
+/// An even sampling of the unit circle, with its normals.
+pub(crate) fn even_circle(count: usize) -> Samples<2> {
+    let points: Vec<[f64; 2]> = (0..count)
+        .map(|i| {
+            let (sine, cosine) = (std::f64::consts::TAU * i as f64 / count as f64).sin_cos();
+            [cosine, sine]
+        })
+        .collect();
+    Samples { normals: points.clone(), points }
+}
+
+/// A row of named numbers by their bits, so that NaN equals NaN and a difference says where it is.
+pub(crate) type Row = Vec<(&'static str, u64)>;
+
+pub(crate) fn evaluation_rows<const D: usize>(e: &Evaluations<D>) -> Vec<Row> {
+    (0..e.status.len())
+        .map(|i| {
+            let mut row: Row = vec![("status", e.status[i] as u64)];
+            let mut vector = |name, v: &[f64]| row.extend(v.iter().map(|c| (name, c.to_bits())));
+            vector("value", &e.value[i..=i]);
+            vector("average", &e.average[i]);
+            vector("frame normal", &e.frame_normal[i]);
+            vector("gradient", &e.gradient[i]);
+            vector("surface normal", &e.surface_normal[i]);
+            vector("gap", &e.gap[i..=i]);
+            vector("effective neighbours", &e.effective_neighbours[i..=i]);
+            vector("weight sum", &e.weight_sum[i..=i]);
+            vector("eigenvalues", &e.eigenvalues[i]);
+            vector("squared sensitivity", &e.squared_sensitivity[i..=i]);
+            vector("support", &e.support[i..=i]);
+            row.push(("neighbours", u64::from(e.neighbours[i])));
+            row
+        })
+        .collect()
+}
+
+pub(crate) fn projection_rows<const D: usize>(p: &Projections<D>) -> Vec<Row> {
+    (0..p.status.len())
+        .map(|i| {
+            let mut row: Row = vec![("status", p.status[i] as u64)];
+            let mut vector = |name, v: &[f64]| row.extend(v.iter().map(|c| (name, c.to_bits())));
+            vector("point", &p.point[i]);
+            vector("surface normal", &p.surface_normal[i]);
+            vector("frame normal", &p.frame_normal[i]);
+            vector("distance", &p.distance[i..=i]);
+            vector("residual", &p.residual[i..=i]);
+            row.push(("evaluations", u64::from(p.evaluations[i])));
+            row
+        })
+        .collect()
+}
+
+/// Without the columns that hold locations: they move with the cloud.
+pub(crate) fn without_locations(rows: Vec<Row>) -> Vec<Row> {
+    let keep = |row: Row| row.into_iter().filter(|(name, _)| !matches!(*name, "average" | "point"));
+    rows.into_iter().map(|row| keep(row).collect()).collect()
+}
+
+#[track_caller]
+pub(crate) fn same_rows(found: &[Row], expected: &[Row], what: &str) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (i, (f, e)) in found.iter().zip(expected).enumerate() {
+        assert_eq!(f, e, "{what}: row {i}");
+    }
 }

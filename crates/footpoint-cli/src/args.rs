@@ -1,0 +1,402 @@
+//! Arguments of the command line, and what they mean to the jobs.
+
+use crate::print::Verbosity;
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use footpoint_jobs::scan::ScanPlan;
+use footpoint_jobs::{
+    DemoPlan, Extra, NormalChoice, NormalField, Operator, Overwrite, Recipe, Support, Weight, recipe_of,
+};
+use std::path::PathBuf;
+
+/// Computes with the smooth surface that a point cloud describes.
+///
+/// The surface is where f(x) = n(x)·(x − a(x)) vanishes (Alexa & Adamson 2004); its normal is the exact gradient
+/// of f. Files: PLY, and text (xyz csv txt pts pwn xy); two columns are a curve in the plane. Lengths are in the
+/// unit of the file, angles in degrees.
+#[derive(Debug, Parser)]
+#[command(name = "footpoint", version, max_term_width = 100, after_help = EXIT_CODES)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 more points than --strict allows are not ok; 2 nothing done.\n\
+    Each point has a status: ok outside degenerate boundary singular not_converged invalid (0 … 6 in PLY).";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    /// Simulate a laser scan, compute its normals and projection, compare with the truth
+    Demo(DemoArguments),
+    /// Describe a file: counts, bounds, repeats, spacing, normals, and the support that fits it
+    Info(InfoArguments),
+    /// Evaluate f, its gradient and what belongs to them at given points
+    Evaluate(EvaluateArguments),
+    /// Give every sample its normal
+    Normals(NormalsArguments),
+    /// Take points to the surface
+    Project(ProjectArguments),
+}
+
+impl Verb {
+    pub(crate) fn common(&self) -> &Common {
+        match self {
+            Self::Demo(a) => &a.common,
+            Self::Info(a) => &a.common,
+            Self::Evaluate(a) => &a.common,
+            Self::Normals(a) => &a.common,
+            Self::Project(a) => &a.common,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DemoArguments {
+    /// Folder for scan.ply, normals.ply and projected.ply
+    #[arg(short, long, value_name = "DIR", default_value = "footpoint-demo")]
+    output: PathBuf,
+    /// Standard deviation of the simulated ranges, in metres
+    #[arg(long, value_name = "METRES", default_value_t = ScanPlan::default().noise)]
+    noise: f64,
+    /// Rays that each of the stations casts
+    #[arg(long, value_name = "COUNT", default_value_t = ScanPlan::default().rays)]
+    rays: u32,
+    /// Seed of the simulated noise
+    #[arg(long, value_name = "NUMBER", default_value_t = ScanPlan::default().seed)]
+    seed: u64,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl DemoArguments {
+    pub(crate) fn plan(&self) -> DemoPlan {
+        let scan = ScanPlan { noise: self.noise, rays: self.rays, seed: self.seed, ..ScanPlan::default() };
+        DemoPlan { folder: self.output.clone(), scan }
+    }
+
+    /// The scan's density varies tenfold, so unless told otherwise each sample gets its own support.
+    pub(crate) fn adjust(&self, recipe: &mut Recipe) {
+        if !self.common.chooses_support() && self.common.definition.is_none() {
+            let support = Support::AutoPerSample { effective_neighbours: DEMO_EFFECTIVE_NEIGHBOURS };
+            recipe.definition = recipe.definition.with_support(support);
+        }
+    }
+}
+
+/// Wide enough to average the demo's noise, narrow enough for its detail.
+const DEMO_EFFECTIVE_NEIGHBOURS: f64 = 24.0;
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArguments {
+    /// The file
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EvaluateArguments {
+    /// The cloud that defines the surface
+    pub(crate) cloud: PathBuf,
+    /// Points to evaluate at
+    #[arg(long, value_name = "QUERIES")]
+    pub(crate) at: PathBuf,
+    /// File to write: one row a query
+    #[arg(short, long)]
+    pub(crate) output: PathBuf,
+    /// More columns, by commas
+    #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
+    with: Vec<ExtraName>,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl EvaluateArguments {
+    pub(crate) fn extra(&self) -> Vec<Extra> {
+        self.with.iter().map(|name| name.meaning()).collect()
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum ExtraName {
+    /// S, the sum of the weights
+    WeightSum,
+    /// Eigenvalues of the matrix that gives the frame
+    Eigenvalues,
+    /// Σ|∂f/∂p_i|²: times the noise squared, the variance of f
+    SquaredSensitivity,
+    /// The local support h(x)
+    Support,
+}
+
+impl ExtraName {
+    fn meaning(self) -> Extra {
+        match self {
+            Self::WeightSum => Extra::WeightSum,
+            Self::Eigenvalues => Extra::Eigenvalues,
+            Self::SquaredSensitivity => Extra::SquaredSensitivity,
+            Self::Support => Extra::Support,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct NormalsArguments {
+    /// The cloud
+    pub(crate) input: PathBuf,
+    /// File to write: every sample with its normal, all columns kept
+    #[arg(short, long)]
+    pub(crate) output: PathBuf,
+    /// Which normal
+    #[arg(long, value_enum, default_value = "surface")]
+    normal: NormalName,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl NormalsArguments {
+    pub(crate) fn choice(&self) -> NormalChoice {
+        match self.normal {
+            NormalName::Surface => NormalChoice::Surface,
+            NormalName::Frame => NormalChoice::Frame,
+            NormalName::Both => NormalChoice::Both,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum NormalName {
+    /// Exact normal of the surface, from the gradient of f
+    Surface,
+    /// Normal of the fitted frame
+    Frame,
+    /// Both of them
+    Both,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ProjectArguments {
+    /// Points to project
+    pub(crate) input: PathBuf,
+    /// Cloud that defines the surface [default: the points themselves]
+    #[arg(long, value_name = "CLOUD")]
+    pub(crate) onto: Option<PathBuf>,
+    /// File to write: every point on the surface, all columns kept
+    #[arg(short, long)]
+    pub(crate) output: PathBuf,
+    /// Which point of the surface [default: orthogonal]
+    #[arg(long, value_enum)]
+    operator: Option<OperatorName>,
+    /// Last step and |f| allowed, in local supports [default: 1e-6]
+    #[arg(long, value_name = "T")]
+    tolerance: Option<f64>,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl ProjectArguments {
+    pub(crate) fn adjust(&self, recipe: &mut Recipe) {
+        let how = recipe.project.get_or_insert_default();
+        if let Some(operator) = self.operator {
+            *how = how.with_operator(match operator {
+                OperatorName::Basic => Operator::Basic,
+                OperatorName::Almost => Operator::AlmostOrthogonal,
+                OperatorName::Orthogonal => Operator::Orthogonal,
+            });
+        }
+        if let Some(tolerance) = self.tolerance {
+            *how = how.with_tolerance(tolerance);
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum OperatorName {
+    /// To the weighted average first, then along the frame normal; not idempotent
+    Basic,
+    /// Along the frame normal at the result
+    Almost,
+    /// Along the surface normal at the result: the foot point
+    Orthogonal,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Surface")]
+pub(crate) struct Common {
+    /// One support radius for all samples, in the unit of the file
+    #[arg(long, value_name = "H", group = "support", allow_negative_numbers = true)]
+    radius: Option<f64>,
+    /// One radius, chosen so that an even sampling has this many effective neighbours [default: 16]
+    #[arg(long, value_name = "N_EFF", group = "support", allow_negative_numbers = true)]
+    auto: Option<f64>,
+    /// One radius per sample, chosen in the same way
+    #[arg(long, value_name = "N_EFF", group = "support", allow_negative_numbers = true)]
+    per_sample: Option<f64>,
+    /// Column of support radii, in the unit of the file
+    #[arg(long, value_name = "NAME", group = "support")]
+    support_column: Option<String>,
+    /// Column of factors that multiply the weights (area, confidence)
+    #[arg(long, value_name = "NAME")]
+    factor_column: Option<String>,
+    /// Weight function [default: poly3]
+    #[arg(long, value_enum)]
+    weight: Option<WeightName>,
+    /// Value below which the Gaussian counts as zero [default: 1e-9]
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    cut: Option<f64>,
+    /// Normal field [default: centred]
+    #[arg(long, value_enum)]
+    field: Option<FieldName>,
+    /// Radius of the domain around each sample, in supports [default: 1]
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
+    domain_ratio: Option<f64>,
+    /// Least n·∇f of a surface point [default: 0.3]
+    #[arg(long, value_name = "COSINE", allow_negative_numbers = true)]
+    accept_alignment: Option<f64>,
+    /// Least gap of a surface point [default: 0.1]
+    #[arg(long, value_name = "GAP", allow_negative_numbers = true)]
+    accept_gap: Option<f64>,
+    /// Largest distance to the weighted average of a surface point, in supports [default: 0.5; less for some
+    /// weights and fields]
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
+    accept_boundary: Option<f64>,
+    /// Replay the definition in this report; other options override it
+    #[arg(long, value_name = "REPORT")]
+    definition: Option<PathBuf>,
+    /// Threads to use; 0 is one per core
+    #[arg(long, default_value_t = 0, help_heading = "Running")]
+    pub(crate) threads: usize,
+    /// Print the report as JSON on standard output
+    #[arg(long, help_heading = "Running")]
+    pub(crate) json: bool,
+    /// Exit with 1 if any point, or more than this share (such as 1%), is not ok
+    #[arg(long, value_name = "SHARE", num_args = 0..=1, default_missing_value = "0%",
+          value_parser = share, help_heading = "Running")]
+    pub(crate) strict: Option<f64>,
+    /// Overwrite existing files
+    #[arg(long, help_heading = "Running")]
+    force: bool,
+    /// Say nothing but errors
+    #[arg(short, long, conflicts_with = "verbose", help_heading = "Running")]
+    quiet: bool,
+    /// Say more
+    #[arg(short, long, action = ArgAction::SetTrue, help_heading = "Running")]
+    verbose: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum WeightName {
+    /// (1 − s²)², s = r/h
+    Poly2,
+    /// (1 − s²)³
+    Poly3,
+    /// (1 − s²)⁴
+    Poly4,
+    /// (1 − s)⁴ (4s + 1)
+    Wendland,
+    /// exp(−s²), zero below --cut; h is its scale
+    Gaussian,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum FieldName {
+    /// Smallest covariance about the weighted average
+    Centred,
+    /// Smallest covariance about the point itself, as in the paper
+    Covariance,
+    /// Average of the samples' normals
+    Averaged,
+    /// Main axis of the samples' normals, whatever their signs
+    Axes,
+}
+
+impl Common {
+    fn chooses_support(&self) -> bool {
+        self.radius.is_some()
+            || self.auto.is_some()
+            || self.per_sample.is_some()
+            || self.support_column.is_some()
+    }
+
+    pub(crate) fn overwrite(&self) -> Overwrite {
+        if self.force { Overwrite::Replace } else { Overwrite::Refuse }
+    }
+
+    pub(crate) fn verbosity(&self) -> Verbosity {
+        match (self.quiet, self.verbose) {
+            (true, _) => Verbosity::Quiet,
+            (false, true) => Verbosity::Verbose,
+            (false, false) => Verbosity::Normal,
+        }
+    }
+
+    /// The replayed or the recommended recipe, with the options that were given.
+    pub(crate) fn recipe(&self) -> Result<Recipe, String> {
+        let mut recipe = match &self.definition {
+            None => Recipe::default(),
+            Some(path) => {
+                let problem = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+                let text = std::fs::read_to_string(path).map_err(|error| problem(&error))?;
+                recipe_of(&text).map_err(|error| problem(&format!("not a report to replay: {error}")))?
+            }
+        };
+        let mut definition = recipe.definition;
+        if self.chooses_support() {
+            recipe.support_column.clone_from(&self.support_column);
+            definition = definition.with_support(match (self.radius, self.per_sample, self.auto) {
+                (Some(h), _, _) => Support::Uniform(h),
+                (_, Some(effective_neighbours), _) => Support::AutoPerSample { effective_neighbours },
+                (_, _, Some(effective_neighbours)) => Support::Auto { effective_neighbours },
+                (None, None, None) => Support::FromSamples,
+            });
+        }
+        if self.factor_column.is_some() {
+            recipe.factor_column.clone_from(&self.factor_column);
+        }
+        if let Some(weight) = self.weight {
+            definition = definition.with_weight(match weight {
+                WeightName::Poly2 => Weight::Poly2,
+                WeightName::Poly3 => Weight::Poly3,
+                WeightName::Poly4 => Weight::Poly4,
+                WeightName::Wendland => Weight::Wendland,
+                WeightName::Gaussian => Weight::GAUSSIAN,
+            });
+        }
+        match (self.cut, definition.weight()) {
+            (None, _) => {}
+            (Some(cut), Weight::Gaussian { .. }) => {
+                definition = definition.with_weight(Weight::Gaussian { cut });
+            }
+            (Some(_), _) => return Err("--cut belongs to --weight gaussian".to_owned()),
+        }
+        if let Some(field) = self.field {
+            definition = definition.with_field(match field {
+                FieldName::Centred => NormalField::CentredCovariance,
+                FieldName::Covariance => NormalField::Covariance,
+                FieldName::Averaged => NormalField::AveragedNormals,
+                FieldName::Axes => NormalField::AveragedAxes,
+            });
+        }
+        if let Some(ratio) = self.domain_ratio {
+            definition = definition.with_domain_ratio(ratio);
+        }
+        let mut acceptance = definition.acceptance();
+        acceptance.alignment = self.accept_alignment.unwrap_or(acceptance.alignment);
+        acceptance.gap = self.accept_gap.unwrap_or(acceptance.gap);
+        acceptance.boundary = self.accept_boundary.or(acceptance.boundary);
+        recipe.definition = definition.with_acceptance(acceptance);
+        Ok(recipe)
+    }
+}
+
+/// `1%` or `0.01`.
+fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(number) => (number, 0.01),
+        None => (text, 1.0),
+    };
+    match number.parse::<f64>() {
+        Ok(value) if (0.0..=1.0).contains(&(value * unit)) => Ok(value * unit),
+        _ => Err("a share is a number such as 1% or 0.01 (put --strict last, or write --strict=1%)".to_owned()),
+    }
+}

@@ -1,0 +1,136 @@
+//! Reports in words.
+
+use footpoint_jobs::{InfoReport, Report};
+use std::fmt::Write;
+
+/// How much to say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verbosity {
+    Quiet,
+    Normal,
+    Verbose,
+}
+
+/// The report for a reader.
+pub(crate) fn report(report: &Report, verbosity: Verbosity) -> String {
+    let mut text = String::new();
+    if verbosity != Verbosity::Quiet {
+        // Writing to a string does not fail.
+        let _ = describe(&mut text, report, verbosity);
+    }
+    text
+}
+
+fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt::Result {
+    for input in &report.inputs {
+        writeln!(out, "{}: {} points, {}-D, {}", input.path, input.points, input.dimension, input.format)?;
+        if input.not_finite > 0 {
+            writeln!(out, "  {} points are not finite and keep their place without an answer", input.not_finite)?;
+        }
+        if input.unusable_normals > 0 {
+            writeln!(out, "  {} normals are zero or not finite and count as absent", input.unusable_normals)?;
+        }
+        for note in &input.notes {
+            writeln!(out, "  note: {note}")?;
+        }
+    }
+    if let Some(info) = &report.info {
+        describe_info(out, info)?;
+    }
+    if let Some(surface) = &report.surface {
+        let s = surface.support;
+        if s.uniform {
+            writeln!(out, "support radius {}", short(s.median))?;
+        } else {
+            let (low, middle, high) = (short(s.smallest), short(s.median), short(s.largest));
+            writeln!(out, "support radius per sample, {low} to {high}, median {middle}")?;
+        }
+        if surface.samples_absent > 0 {
+            writeln!(out, "{} samples do not take part", surface.samples_absent)?;
+        }
+        if verbosity == Verbosity::Verbose {
+            let definition = &report.recipe.definition;
+            writeln!(out, "field {:?}, weight {:?}", definition.field(), definition.weight())?;
+            writeln!(out, "support rule {:?}, sign {:?}", definition.support(), surface.sign)?;
+            writeln!(out, "boundary limit {}, cell side {}", surface.boundary_limit, surface.cell_side)?;
+        }
+    }
+    if !report.statuses.is_empty() {
+        let counts: Vec<String> =
+            report.statuses.iter().map(|c| format!("{} {}", c.points, c.status)).collect();
+        writeln!(out, "{}: {}", report.job, counts.join(", "))?;
+    }
+    if let Some(moved) = &report.moved {
+        let (rms, median, largest) = (short(moved.rms), short(moved.median), short(moved.largest));
+        write!(out, "moved by {rms} rms, {median} median, {largest} at most")?;
+        writeln!(out, "; {:.1} evaluations a point", moved.mean_evaluations)?;
+    }
+    if let Some(demo) = &report.demo {
+        let (before, after) = (1e3 * demo.rms_before_metres, 1e3 * demo.rms_after_metres);
+        writeln!(out, "distance from the true surface, rms: {before:.4} mm before, {after:.4} mm after")?;
+        writeln!(out, "  that is {:.3} of the noise; {:.2} % ok", demo.rms_ratio, 100.0 * demo.ok_share)?;
+        writeln!(
+            out,
+            "normals against the truth, median: surface {:.3} degrees, frame {:.3}, at the samples {:.3}",
+            demo.median_surface_normal_error_degrees,
+            demo.median_frame_normal_error_degrees,
+            demo.median_normal_error_at_samples_degrees,
+        )?;
+    }
+    for output in &report.outputs {
+        writeln!(out, "wrote {output}")?;
+    }
+    let t = &report.times;
+    write!(out, "seconds: read {:.2}, index {:.2}", t.read.wall_seconds, t.index.wall_seconds)?;
+    write!(out, ", compute {:.2}, write {:.2}", t.compute.wall_seconds, t.write.wall_seconds)?;
+    if report.points_per_second > 0.0 {
+        write!(out, "; {:.0} points a second", report.points_per_second)?;
+    }
+    writeln!(out)
+}
+
+fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {
+    writeln!(out, "columns: {}", info.columns.join(" "))?;
+    let corner = |c: &[f64]| c.iter().map(|v| format!("{v}")).collect::<Vec<_>>().join(" ");
+    writeln!(out, "bounds: {} to {}", corner(&info.low), corner(&info.high))?;
+    writeln!(out, "unit: {}", info.unit.as_deref().unwrap_or("not stated in the file"))?;
+    writeln!(out, "exact repeats: {}", info.repeats)?;
+    if let Some(spacing) = info.spacing {
+        writeln!(out, "spacing: {} (median distance to the nearest distinct point)", short(spacing))?;
+    }
+    if let Some(normals) = &info.normals {
+        write!(out, "normals: {} usable", normals.usable)?;
+        write!(out, ", lengths {} to {}", short(normals.shortest), short(normals.longest))?;
+        if let Some(angle) = normals.median_angle_degrees {
+            write!(out, ", {angle:.2} degrees from the frame's (median)")?;
+        }
+        if let Some(opposed) = normals.opposed_share {
+            write!(out, ", {:.2} % against their neighbours", 100.0 * opposed)?;
+        }
+        writeln!(out)?;
+    }
+    writeln!(out, "support: {}", info.support_reason)?;
+    if let (Some(all), Some(effective)) = (info.median_neighbours, info.median_effective_neighbours) {
+        writeln!(out, "  gives {all} neighbours, {effective:.1} effective (medians)")?;
+    }
+    if let Some(gap) = info.median_gap {
+        writeln!(out, "  gap of the frames {gap:.3} (median; 1 is best, 0 no surface)")?;
+    }
+    if let Some(resolution) = info.resolution.filter(|r| *r > 1e-9) {
+        writeln!(out, "  coordinates resolve {} of a support", short(resolution))?;
+    }
+    if let Some(problem) = &info.problem {
+        writeln!(out, "no surface: {problem}")?;
+    }
+    Ok(())
+}
+
+/// A length with five significant digits.
+fn short(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
+        return format!("{value:.4e}");
+    }
+    let digits = if value == 0.0 { 0 } else { 4 - value.abs().log10().floor() as i32 };
+    let text = format!("{value:.*}", digits.clamp(0, 12) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}

@@ -1,0 +1,111 @@
+//! Reading a file of any supported format.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::format::{TextKind, extension_inside, unsupported};
+use crate::source::Source;
+use crate::{Format, PlyError, Table, TextError, ply, text};
+
+/// A file that has been read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// The points.
+    pub table: Table,
+    /// The format found in the file, whatever its name says.
+    pub format: Format,
+    /// What was passed over or guessed.
+    pub report: ReadReport,
+}
+
+/// What a table does not show of its file; nothing is passed over without a word here.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ReadReport {
+    /// PLY elements other than `vertex`, in the file's order.
+    pub other_elements: Vec<OtherElement>,
+    /// List properties of the element `vertex`, which a table cannot hold.
+    pub skipped_lists: Vec<String>,
+    /// Guesses and doubts, each one sentence for the user.
+    pub notes: Vec<String>,
+}
+
+/// A PLY element that was not kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OtherElement {
+    /// Its name, such as `face`.
+    pub name: String,
+    /// The number of rows its header line states.
+    pub rows: u64,
+}
+
+/// Why a file cannot be read, with its path.
+#[derive(Debug, Error)]
+#[error("{}: {problem}", path.display())]
+pub struct ReadError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it.
+    pub problem: Box<ReadProblem>,
+}
+
+/// What is wrong with a file that cannot be read.
+#[derive(Debug, Error)]
+pub enum ReadProblem {
+    /// The operating system or the gzip decoder failed.
+    #[error("cannot read: {0}")]
+    Io(#[from] io::Error),
+    /// The path names a folder.
+    #[error("is a folder; name a file")]
+    Folder,
+    /// There is no byte in it.
+    #[error("is empty; a point file is expected")]
+    Empty,
+    /// A known format that this crate does not read.
+    #[error("{0} files are not supported yet; convert to PLY or text")]
+    Unsupported(&'static str),
+    /// The name says PLY, the first line does not.
+    #[error("line 1: not a PLY file, its first line is not `ply`; if it is text, rename it to .txt or .xyz")]
+    NotPly,
+    /// A PLY file that breaks its own rules.
+    #[error("{0}")]
+    Ply(#[from] PlyError),
+    /// A text file without a clear table.
+    #[error("{0}")]
+    Text(#[from] TextError),
+}
+
+/// Reads the point file `path`: PLY by its first line, text by its extension or its content, both also
+/// gzipped.
+///
+/// All rows and columns come in the file's order and types; numbers of text files come as `F64`.
+/// Fails, with path and place, on a file that cannot be opened, is cut short, contradicts itself, or is of
+/// a format not supported. Never reserves more memory than the file's bytes can fill.
+pub fn read(path: &Path) -> Result<Input, ReadError> {
+    read_any(path).map_err(|problem| ReadError { path: path.to_owned(), problem: Box::new(problem) })
+}
+
+fn read_any(path: &Path) -> Result<Input, ReadProblem> {
+    if path.is_dir() {
+        return Err(ReadProblem::Folder);
+    }
+    let (mut source, head) = Source::open(path)?;
+    if head.is_empty() {
+        return Err(ReadProblem::Empty);
+    }
+    if ply::is_ply(&head) {
+        let (table, encoding, report) = ply::read(&mut source, &head)?;
+        return Ok(Input { table, format: Format::Ply(encoding), report });
+    }
+    let extension = extension_inside(path);
+    if let Some(name) = unsupported(&extension, &head) {
+        return Err(ReadProblem::Unsupported(name));
+    }
+    if extension == "ply" {
+        return Err(ReadProblem::NotPly);
+    }
+    let kind = TextKind::from_extension(&extension).unwrap_or(TextKind::Txt);
+    let (table, report) = text::read(&mut source, &head, kind)?;
+    Ok(Input { table, format: Format::Text, report })
+}

@@ -1,0 +1,206 @@
+//! Writing a table: checks before the work, a partial file during it, one rename at the end.
+
+mod number;
+mod ply;
+mod text;
+
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+use thiserror::Error;
+
+use crate::format::{Target, WRITABLE};
+use crate::{Encoding, Table};
+
+const BUFFER: usize = 1 << 20;
+
+/// How to write a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct WriteOptions {
+    /// What to do about a file that is there already.
+    pub overwrite: Overwrite,
+    /// How a `.ply` file stores its numbers; without effect on text.
+    pub ply: Encoding,
+}
+
+/// What to do about a file that is there already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Overwrite {
+    /// Leave it and fail.
+    #[default]
+    Refuse,
+    /// Replace it, at the end and in one step.
+    Replace,
+}
+
+/// Why a file cannot be written, with its path.
+#[derive(Debug, Error)]
+#[error("{}: {problem}", path.display())]
+pub struct WriteError {
+    /// The file that was to be written.
+    pub path: PathBuf,
+    /// What stands against it.
+    pub problem: WriteProblem,
+}
+
+/// What stands against writing a file.
+#[derive(Debug, Error)]
+pub enum WriteProblem {
+    /// The extension names no format that is written.
+    #[error("no format to write by this name; end it in one of: {WRITABLE}")]
+    UnknownExtension,
+    /// The file exists and may not be replaced.
+    #[error("exists already; permit overwriting or choose another name")]
+    Exists,
+    /// The name is taken by a folder or a device.
+    #[error("is a folder or a special file; choose another name")]
+    NotAFile,
+    /// The folder to write to does not exist.
+    #[error("the folder {} does not exist; create it first", .0.display())]
+    NoFolder(PathBuf),
+    /// The folder or the existing file is write-protected, or the disk refuses.
+    #[error("cannot write here: {0}")]
+    NotWritable(io::Error),
+    /// Writing failed on the way; the partial file has been removed.
+    #[error("writing failed, nothing is left behind: {0}")]
+    Io(io::Error),
+    /// Columns of different lengths.
+    #[error("column `{name}` has {found} rows, the first column has {wanted}")]
+    Uneven {
+        /// The column.
+        name: String,
+        /// Its rows.
+        found: usize,
+        /// The rows of the first column.
+        wanted: usize,
+    },
+    /// Two columns of one name, which no reader could tell apart.
+    #[error("two columns are named `{0}`; rename one")]
+    DuplicateName(String),
+    /// A column of text, which PLY cannot hold.
+    #[error("column `{0}` holds text, which PLY cannot; write csv or txt, or leave the column out")]
+    TextInPly(String),
+    /// A name that cannot stand in the file's header.
+    #[error("column name {0:?} cannot stand in the header of this format; rename it")]
+    Name(String),
+    /// A text value with a line break.
+    #[error("column `{name}`, row {row}: the text has a line break, which a row cannot hold")]
+    LineBreak {
+        /// The column.
+        name: String,
+        /// The row, from 1.
+        row: usize,
+    },
+}
+
+/// Checks, before any work is done, that [`write()`] could put a file at `path`.
+///
+/// The extension must be known, the folder must exist and take a new file (one is made there and removed),
+/// and the name must be free or, with [`Overwrite::Replace`], a plain file.
+pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<(), WriteError> {
+    at(path, || {
+        Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?;
+        check_place(path, overwrite)?;
+        partial(path).map(drop)
+    })
+}
+
+/// Checks that the format of `path` can hold `table`: columns of one length, names of their own, no text
+/// columns in PLY, no line breaks in text.
+pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
+    at(path, || check_columns(Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?, table))
+}
+
+/// Writes `table` to `path` in the format of its extension: `ply xyz csv txt pts pwn xy`.
+///
+/// All values read back as the same numbers; text keeps no types, `pts` no names and no comments, `csv` no
+/// comments, for the sake of other readers. A partial file beside `path` (`.NAME.*.partial`) becomes `path`
+/// in one step when it is complete, and is removed on any error. Fails as [`check_writable`] and
+/// [`check_table`] do, and on a full disk.
+pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), WriteError> {
+    at(path, || {
+        let target = Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?;
+        check_columns(target, table)?;
+        check_place(path, options.overwrite)?;
+        let mut file = partial(path)?;
+        fill(file.as_file_mut(), target, table, options.ply).map_err(WriteProblem::Io)?;
+        let kept = match options.overwrite {
+            Overwrite::Replace => file.persist(path),
+            // Someone may have written the file since the check. Some file systems have no such step;
+            // there a second look must do, as the work would be lost otherwise.
+            Overwrite::Refuse => file.persist_noclobber(path).or_else(|error| match path.exists() {
+                true => Err(error),
+                false => error.file.persist(path),
+            }),
+        };
+        match kept {
+            Ok(_) => Ok(()),
+            Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Err(WriteProblem::Exists),
+            Err(error) => Err(WriteProblem::Io(error.error)),
+        }
+    })
+}
+
+fn at(path: &Path, work: impl FnOnce() -> Result<(), WriteProblem>) -> Result<(), WriteError> {
+    work().map_err(|problem| WriteError { path: path.to_owned(), problem })
+}
+
+fn fill(file: &mut std::fs::File, target: Target, table: &Table, encoding: Encoding) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER, file);
+    match target {
+        Target::Ply => ply::write(&mut out, table, encoding)?,
+        Target::Text(kind) => text::write(&mut out, table, kind)?,
+    }
+    out.flush()
+}
+
+/// The folder that holds `path`.
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn check_place(path: &Path, overwrite: Overwrite) -> Result<(), WriteProblem> {
+    if !folder(path).is_dir() {
+        return Err(WriteProblem::NoFolder(folder(path).to_owned()));
+    }
+    match path.metadata() {
+        Err(_) => Ok(()),
+        Ok(there) if !there.is_file() => Err(WriteProblem::NotAFile),
+        Ok(_) if overwrite == Overwrite::Refuse => Err(WriteProblem::Exists),
+        Ok(there) if there.permissions().readonly() => {
+            Err(WriteProblem::NotWritable(io::Error::from(io::ErrorKind::PermissionDenied)))
+        }
+        Ok(_) => Ok(()),
+    }
+}
+
+/// A new file beside `path`, removed again unless it is kept.
+fn partial(path: &Path) -> Result<NamedTempFile, WriteProblem> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let prefix = format!(".{name}.");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".partial");
+    // Temporary files are private by default; the result is to be an ordinary file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder(path)).map_err(WriteProblem::NotWritable)
+}
+
+fn check_columns(target: Target, table: &Table) -> Result<(), WriteProblem> {
+    let mut names = std::collections::HashSet::new();
+    for column in &table.columns {
+        let (found, wanted) = (column.data.len(), table.rows());
+        if found != wanted {
+            return Err(WriteProblem::Uneven { name: column.name.clone(), found, wanted });
+        }
+        if !names.insert(&column.name) {
+            return Err(WriteProblem::DuplicateName(column.name.clone()));
+        }
+        match target {
+            Target::Ply => ply::check(column)?,
+            Target::Text(_) => text::check(column)?,
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! What several tests need: files of given bytes, and reading them.
+
+#![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests, which are exempt")]
+
+use std::path::{Path, PathBuf};
+
+use footpoint_io::{Column, Data, Input, Table, read};
+use tempfile::TempDir;
+
+/// A folder of its own with one file in it.
+pub(crate) struct Sample {
+    _folder: TempDir,
+    pub(crate) path: PathBuf,
+}
+
+impl Sample {
+    pub(crate) fn new(name: &str, bytes: impl AsRef<[u8]>) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        Self { _folder: folder, path }
+    }
+}
+
+/// Reads a file of this name and content that must be readable.
+pub(crate) fn parse(name: &str, bytes: impl AsRef<[u8]>) -> Input {
+    read(&Sample::new(name, bytes).path).unwrap()
+}
+
+/// The message for a file of this name and content that must not be readable.
+pub(crate) fn refusal(name: &str, bytes: impl AsRef<[u8]>) -> String {
+    let sample = Sample::new(name, bytes);
+    let message = read(&sample.path).unwrap_err().to_string();
+    assert!(message.starts_with(&sample.path.display().to_string()), "no path in: {message}");
+    message
+}
+
+pub(crate) fn names(table: &Table) -> Vec<&str> {
+    table.columns.iter().map(|column| column.name.as_str()).collect()
+}
+
+pub(crate) fn numbers(table: &Table, name: &str) -> Vec<f64> {
+    table.column(name).unwrap().data.to_f64().unwrap()
+}
+
+pub(crate) fn f64_table(columns: &[(&str, &[f64])]) -> Table {
+    let columns = columns.iter().map(|(name, values)| Column::new(*name, Data::F64(values.to_vec())));
+    Table { columns: columns.collect(), comments: Vec::new() }
+}
+
+/// A column of each number type, with the values that formats like to lose.
+pub(crate) fn extremes() -> Table {
+    let mut table =
+        Table { columns: Vec::new(), comments: vec!["by a test".into(), "obj_info grid 2".into()] };
+    table.set(Column::new("x", Data::F64(vec![-0.0, 5e-324, f64::MAX, f64::NAN, f64::NEG_INFINITY, 0.1])));
+    table.set(Column::new("y", Data::F32(vec![-0.0, 1e-45, f32::MAX, f32::NAN, f32::INFINITY, 0.1])));
+    table.set(Column::new("a", Data::I8(vec![i8::MIN, i8::MAX, 0, 1, -1, 2])));
+    table.set(Column::new("b", Data::U8(vec![u8::MIN, u8::MAX, 0, 1, 2, 3])));
+    table.set(Column::new("c", Data::I16(vec![i16::MIN, i16::MAX, 0, 1, -1, 2])));
+    table.set(Column::new("d", Data::U16(vec![u16::MIN, u16::MAX, 0, 1, 2, 3])));
+    table.set(Column::new("e", Data::I32(vec![i32::MIN, i32::MAX, 0, 1, -1, 2])));
+    table.set(Column::new("f", Data::U32(vec![u32::MIN, u32::MAX, 0, 1, 2, 3])));
+    let wide = vec![1e-5, 9.999e-6, 1e16, 9_007_199_254_740_991.0, 1.0 / 3.0, -123_456.789];
+    table.set(Column::new("g", Data::F64(wide)));
+    table
+}
+
+/// All values as bits, so that `nan` equals itself and `-0` does not equal `0`.
+pub(crate) fn bits(data: &Data) -> Vec<u64> {
+    match data {
+        Data::F32(values) => values.iter().map(|v| u64::from(v.to_bits())).collect(),
+        other => other.to_f64().unwrap().iter().map(|v| v.to_bits()).collect(),
+    }
+}
+
+/// The folder of real files beside the project, if it is there.
+pub(crate) fn real_files() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("skipped: no folder shared/data beside the project");
+    None
+}

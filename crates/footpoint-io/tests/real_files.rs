@@ -1,0 +1,117 @@
+//! Real files read as the independent readers of the manifest read them, or are refused with a reason.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests, which are exempt")]
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use common::real_files;
+use footpoint_io::read;
+use footpoint_io::roles::Roles;
+use serde_json::Value;
+
+/// Files that are refused, and what the message must say.
+const REFUSED: [(&str, &str); 23] = [
+    ("malformed/cut_ascii.ply", "unexpected end of file in element vertex, row 877 of 1889"),
+    ("malformed/cut_binary_be.ply", "its 6789 rows want 108624 bytes, found 99758"),
+    ("malformed/huge_count.ply", "its 4000000000000 rows want 48000000000000 bytes, found 100"),
+    (
+        "malformed/pasture_10_points_ascii_parsing_errors.txt",
+        "line 3, column 1 (`x`): `2.0.0` is not a number",
+    ),
+    ("malformed/pdal_badheader.txt", "line 1: the header names column `X` twice"),
+    ("malformed/pdal_no_vertex.ply", "elements found: none"),
+    ("malformed/rs_single_elements_err_ascii.ply", "unexpected end of file in element point, row 2 of 2"),
+    ("malformed/unknown_type.ply", "line 8: unknown type `quux`"),
+    ("ply/rs_all_atomic_types_ok_ascii.ply", "elements found: point"),
+    ("ply/rs_exponent_values_ok_ascii.ply", "elements found: point"),
+    ("ply/rs_header_min_ok_ascii.ply", "elements found: none"),
+    ("ply/rs_leading_spaces_ok_ascii.ply", "elements found: point"),
+    ("ply/rs_single_elements_ok_ascii.ply", "elements found: point"),
+    ("range/bun.conf", "line 1, column 1 (`x`): `camera` is not a number"),
+    ("text/bunny16k_expe.pts", "binary content"),
+    ("text/pdal_1.2-with-color.ptx", "PTX files are not supported yet"),
+    ("text/pdal_complex-transform.ptx", "PTX files are not supported yet"),
+    ("text/pdal_multiple-and-transform.ptx", "PTX files are not supported yet"),
+    ("text/pdal_no-color.ptx", "PTX files are not supported yet"),
+    ("text/pdal_text.txt", "no row of numbers"),
+    // One row of eleven has a fourth value: dropping it, or the row, would lose something in silence.
+    ("text/pdal_utm17_3.txt", "line 5: 4 fields, but the header in line 1 names 3 columns"),
+    ("mesh/moebius.obj", "OBJ files are not supported yet"),
+    ("photo/outcrop_sfm.laz", "LAS/LAZ files are not supported yet"),
+];
+
+const FOLDERS: [&str; 10] =
+    ["2d", "cloud", "mesh", "ply", "range", "photo", "rgbd", "robot", "text", "malformed"];
+const OTHER_FORMATS: [&str; 5] = ["obj", "pcd", "las", "laz", "e57"];
+
+/// The wanted files of the manifest with their entries.
+fn manifest(data: &Path) -> BTreeMap<String, Value> {
+    let text = std::fs::read_to_string(data.join("manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_str(&text).unwrap();
+    let files = manifest["files"].as_array().unwrap().iter();
+    files.map(|entry| (entry["file"].as_str().unwrap().to_owned(), entry.clone())).collect()
+}
+
+fn bounds(entry: &Value, key: &str) -> Vec<f64> {
+    entry[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn counts_and_bounds_agree_with_the_manifest() {
+    let Some(data) = real_files() else { return };
+    let mut read_files = 0;
+    for (file, entry) in manifest(&data) {
+        let (folder, name) = file.split_once('/').unwrap();
+        let other = name.rsplit('.').next().is_some_and(|e| OTHER_FORMATS.contains(&e));
+        if !FOLDERS.contains(&folder) || other || REFUSED.iter().any(|(refused, _)| *refused == file) {
+            continue;
+        }
+        let input = read(&data.join(&file)).unwrap();
+        read_files += 1;
+        // The manifest takes two files with coordinates of whole-number types for files without points.
+        let (rows, Some(_)) = (input.table.rows() as u64, entry.get("min")) else {
+            assert!(input.table.rows() <= 1, "{file}");
+            continue;
+        };
+        assert_eq!(Some(rows), entry["points"].as_u64(), "{file}");
+        let roles = Roles::find(&input.table).unwrap();
+        let (least, most) = (bounds(&entry, "min"), bounds(&entry, "max"));
+        for (axis, column) in roles.coordinates.iter().enumerate() {
+            let values = input.table.columns[*column].data.to_f64().unwrap();
+            assert_eq!(values.iter().copied().fold(f64::INFINITY, f64::min), least[axis], "{file} {axis}");
+            assert_eq!(values.iter().copied().fold(f64::NEG_INFINITY, f64::max), most[axis], "{file} {axis}");
+        }
+        let normals = entry["normals"]["present"].as_bool().unwrap();
+        assert_eq!(roles.normals.is_some(), normals, "{file}: normals");
+    }
+    println!("{read_files} files agree");
+    assert!(read_files > 70);
+}
+
+#[test]
+fn malformed_files_are_refused_with_a_reason() {
+    let Some(data) = real_files() else { return };
+    for (file, reason) in REFUSED {
+        let start = Instant::now();
+        let message = read(&data.join(file)).unwrap_err().to_string();
+        assert!(message.contains(reason), "wanted `{reason}` in: {message}");
+        assert!(start.elapsed() < Duration::from_secs(1), "{file} is slow to refuse");
+    }
+}
+
+#[test]
+fn what_was_passed_over_is_reported() {
+    let Some(data) = real_files() else { return };
+    let report = read(&data.join("range/bun000.ply")).unwrap().report;
+    assert_eq!(
+        (report.other_elements[0].name.as_str(), report.other_elements[0].rows),
+        ("range_grid", 204_800)
+    );
+    assert!(report.notes.is_empty(), "{report:?}");
+    let report = read(&data.join("text/pdal_bunny_8.pts")).unwrap().report;
+    assert_eq!(report.notes[0], "PTS count says 8, file has 9 rows");
+}

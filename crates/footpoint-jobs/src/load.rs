@@ -1,0 +1,142 @@
+//! From a file to a cloud: which columns hold what.
+
+use crate::clock::{Times, timed};
+use crate::report::{InputReport, Recipe, Report, SurfaceReport};
+use crate::{Context, JobError};
+use footpoint::{Cloud, Definition, Error, Support, SupportError, Surface};
+use footpoint_io::roles::Roles;
+use footpoint_io::{Format, Input};
+use std::path::Path;
+
+/// A file with the meaning of its columns.
+pub(crate) struct Loaded {
+    pub(crate) input: Input,
+    pub(crate) roles: Roles,
+    path: String,
+}
+
+impl Loaded {
+    /// Reads a file and finds its coordinates and normals.
+    pub(crate) fn read(path: &Path, times: &mut Times) -> Result<Self, JobError> {
+        let input = timed(&mut times.read, || footpoint_io::read(path))?;
+        let roles = Roles::find(&input.table)
+            .map_err(|problem| JobError::Roles { path: path.to_owned(), problem })?;
+        Ok(Self { input, roles, path: path.display().to_string() })
+    }
+
+    pub(crate) fn points<const D: usize>(&self) -> Vec<[f64; D]> {
+        self.roles.points(&self.input.table).unwrap_or_default()
+    }
+
+    /// Fails if the points of both files do not have the same dimension.
+    pub(crate) fn check_dimension(&self, other: &Self) -> Result<(), JobError> {
+        if self.roles.dimension() == other.roles.dimension() {
+            return Ok(());
+        }
+        Err(JobError::Dimensions {
+            first: self.path.clone(),
+            first_dimension: self.roles.dimension(),
+            second: other.path.clone(),
+            second_dimension: other.roles.dimension(),
+        })
+    }
+
+    /// What the report says of the file.
+    pub(crate) fn report(&self) -> InputReport {
+        let table = &self.input.table;
+        let numbers = |indices: &[usize]| -> Vec<Vec<f64>> {
+            indices.iter().filter_map(|&i| table.columns[i].data.to_f64()).collect()
+        };
+        let coordinates = numbers(&self.roles.coordinates);
+        let normals = self.roles.normals.as_deref().map(numbers).unwrap_or_default();
+        let rows = |columns: &[Vec<f64>], bad: &dyn Fn(&[f64]) -> bool| {
+            let row = |i: usize| columns.iter().map(|c| c[i]).collect::<Vec<_>>();
+            if columns.is_empty() { 0 } else { (0..table.rows()).filter(|&i| bad(&row(i))).count() }
+        };
+        let not_finite = |row: &[f64]| row.iter().any(|c| !c.is_finite());
+        let mut notes = self.input.report.notes.clone();
+        for element in &self.input.report.other_elements {
+            notes.push(format!("{} rows of element `{}` passed over", element.rows, element.name));
+        }
+        for list in &self.input.report.skipped_lists {
+            notes.push(format!("list property `{list}` of the points passed over"));
+        }
+        InputReport {
+            path: self.path.clone(),
+            format: match self.input.format {
+                Format::Ply(_) => "ply",
+                Format::Text => "text",
+            },
+            points: table.rows(),
+            dimension: self.roles.dimension(),
+            not_finite: rows(&coordinates, &not_finite),
+            normals: !normals.is_empty(),
+            unusable_normals: rows(&normals, &|row| not_finite(row) || row.iter().all(|&c| c == 0.0)),
+            notes,
+        }
+    }
+
+    /// The cloud with the columns that the recipe asks for.
+    pub(crate) fn cloud<const D: usize>(&self, recipe: &Recipe) -> Result<Cloud<D>, JobError> {
+        let table = &self.input.table;
+        let mut cloud = Cloud::new(self.points::<D>());
+        if let Some(normals) = self.roles.normals(table) {
+            cloud = cloud.with_normals(normals)?;
+        }
+        let column = |name: &str| {
+            table.column(name).and_then(|c| c.data.to_f64()).ok_or_else(|| JobError::Column {
+                path: self.path.clone(),
+                name: name.to_owned(),
+                found: table.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(" "),
+            })
+        };
+        if let Some(name) = &recipe.support_column {
+            cloud = cloud.with_supports(column(name)?)?;
+        }
+        if let Some(name) = &recipe.factor_column {
+            cloud = cloud.with_factors(column(name)?)?;
+        }
+        Ok(cloud)
+    }
+
+    /// The surface that the file's points define.
+    pub(crate) fn surface<const D: usize>(
+        &self,
+        context: &Context<'_>,
+        report: &mut Report,
+    ) -> Result<Surface<D>, JobError> {
+        let cloud = self.cloud::<D>(&context.recipe)?;
+        let surface = surface_of_cloud(cloud, context, &mut report.times).map_err(|error| match error {
+            JobError::Surface { .. } if self.input.table.rows() == 0 => JobError::NoPoints(self.path.clone()),
+            JobError::Surface { problem, .. } => JobError::Surface { path: self.path.clone(), problem },
+            other => other,
+        })?;
+        report.surface = Some(SurfaceReport::of(&surface));
+        Ok(surface)
+    }
+}
+
+/// Indexes a cloud by the context's definition.
+pub(crate) fn surface_of_cloud<const D: usize>(
+    cloud: Cloud<D>,
+    context: &Context<'_>,
+    times: &mut Times,
+) -> Result<Surface<D>, JobError> {
+    let run = context.run.silent();
+    let built = timed(&mut times.index, || Surface::build(cloud, context.definition(), &run));
+    built.map_err(|problem| match problem {
+        Error::Cancelled(_) | Error::Support(SupportError::Cancelled(_)) => JobError::Cancelled,
+        problem => JobError::Surface { path: String::new(), problem },
+    })
+}
+
+impl Context<'_> {
+    /// The definition; a column of supports, where one is named, overrides its rule.
+    pub(crate) fn definition(&self) -> Definition {
+        let definition = self.recipe.definition;
+        match self.recipe.support_column {
+            Some(_) => definition.with_support(Support::FromSamples),
+            None => definition,
+        }
+    }
+}

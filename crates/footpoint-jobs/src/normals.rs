@@ -1,0 +1,77 @@
+//! Job: each sample with its normal.
+
+use crate::clock::timed;
+use crate::load::Loaded;
+use crate::output::{Naming, set_vectors};
+use crate::report::Report;
+use crate::{Context, JobError};
+use footpoint::{Queries, Want};
+use footpoint_io::{WriteOptions, check_table, check_writable, write};
+use std::path::Path;
+
+/// Which normal to write.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NormalChoice {
+    /// ∇f/|∇f|: the exact normal of the level set of f through the sample.
+    #[default]
+    Surface,
+    /// n: the normal of the frame.
+    Frame,
+    /// Both.
+    Both,
+}
+
+/// Writes every sample of `input`, in its order and with all its columns, with its normal and status.
+///
+/// A normal that does not exist is NaN. In PLY the input's own `nx ny nz` become `given_nx …` where surface
+/// normals take their name.
+pub fn normals(
+    input: &Path,
+    output: &Path,
+    choice: NormalChoice,
+    context: &Context<'_>,
+) -> Result<Report, JobError> {
+    check_writable(output, context.overwrite)?;
+    let mut report = Report::new("normals", context.recipe.clone());
+    let loaded = Loaded::read(input, &mut report.times)?;
+    check_table(output, &loaded.input.table)?;
+    report.inputs.push(loaded.report());
+    match loaded.roles.dimension() {
+        2 => run::<2>(loaded, output, choice, context, report),
+        _ => run::<3>(loaded, output, choice, context, report),
+    }
+}
+
+fn run<const D: usize>(
+    loaded: Loaded,
+    output: &Path,
+    choice: NormalChoice,
+    context: &Context<'_>,
+    mut report: Report,
+) -> Result<Report, JobError> {
+    let surface = loaded.surface::<D>(context, &mut report)?;
+    let want = match choice {
+        NormalChoice::Surface => Want::SURFACE_NORMAL,
+        NormalChoice::Frame => Want::FRAME_NORMAL,
+        NormalChoice::Both => Want::SURFACE_NORMAL | Want::FRAME_NORMAL,
+    };
+    let result = timed(&mut report.times.compute, || {
+        surface.with(&context.run).evaluate(Queries::Samples, want)
+    })?;
+    report.count(&result.status);
+
+    let naming = Naming::of(output);
+    let mut table = loaded.input.table;
+    if want.contains(Want::SURFACE_NORMAL) {
+        naming.keep_given_normals(&mut table, &loaded.roles);
+        set_vectors(&mut table, |axis| naming.surface_normal(axis), &result.surface_normal);
+    }
+    if want.contains(Want::FRAME_NORMAL) {
+        set_vectors(&mut table, |axis| naming.frame_normal(axis), &result.frame_normal);
+    }
+    table.set(naming.status(&result.status));
+    let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
+    timed(&mut report.times.write, || write(output, &table, &options))?;
+    report.wrote(output);
+    Ok(report)
+}

@@ -1,0 +1,103 @@
+//! Job: points taken to the surface.
+
+use crate::clock::timed;
+use crate::load::Loaded;
+use crate::output::{Naming, set_counts, set_numbers, set_vectors};
+use crate::report::{MovedReport, Report};
+use crate::{Context, JobError};
+use footpoint::{Project, Projections, Queries, Status};
+use footpoint_io::{Table, WriteOptions, check_table, check_writable, write};
+use std::path::Path;
+
+/// Projects every point of `input` onto the surface of `onto`, or onto its own.
+///
+/// Rows keep their order and all other columns; coordinates become the projected ones, as doubles. A point that
+/// cannot be projected stays where it was, and its status says why.
+pub fn project(
+    input: &Path,
+    onto: Option<&Path>,
+    output: &Path,
+    context: &Context<'_>,
+) -> Result<Report, JobError> {
+    check_writable(output, context.overwrite)?;
+    let mut report = Report::new("project", context.recipe.clone());
+    report.recipe.project.get_or_insert_default();
+    let points = Loaded::read(input, &mut report.times)?;
+    check_table(output, &points.input.table)?;
+    report.inputs.push(points.report());
+    let onto = onto.map(|path| Loaded::read(path, &mut report.times)).transpose()?;
+    if let Some(onto) = &onto {
+        report.inputs.push(onto.report());
+        onto.check_dimension(&points)?;
+    }
+    match points.roles.dimension() {
+        2 => run::<2>(points, onto, output, context, report),
+        _ => run::<3>(points, onto, output, context, report),
+    }
+}
+
+fn run<const D: usize>(
+    points: Loaded,
+    onto: Option<Loaded>,
+    output: &Path,
+    context: &Context<'_>,
+    mut report: Report,
+) -> Result<Report, JobError> {
+    let how: Project = report.recipe.project.unwrap_or_default();
+    let surface = onto.as_ref().unwrap_or(&points).surface::<D>(context, &mut report)?;
+    let foreign = onto.is_some().then(|| points.points::<D>());
+    let queries = foreign.as_deref().map_or(Queries::Samples, Queries::Points);
+    let result =
+        timed(&mut report.times.compute, || surface.with(&context.run).project(queries, &how))?;
+    report.count(&result.status);
+    report.moved = Some(moved(&result));
+
+    let naming = Naming::of(output);
+    let mut table = points.input.table;
+    naming.keep_given_normals(&mut table, &points.roles);
+    set_projections(&mut table, &points.roles.coordinates, naming, result);
+    let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
+    timed(&mut report.times.write, || write(output, &table, &options))?;
+    report.wrote(output);
+    Ok(report)
+}
+
+/// Puts projected points into the columns of coordinates and adds what belongs to them.
+pub(crate) fn set_projections<const D: usize>(
+    table: &mut Table,
+    coordinates: &[usize],
+    naming: Naming,
+    result: Projections<D>,
+) {
+    let names: Vec<String> = coordinates.iter().map(|&i| table.columns[i].name.clone()).collect();
+    set_vectors(table, |axis| names[axis].clone(), &result.point);
+    set_vectors(table, |axis| naming.surface_normal(axis), &result.surface_normal);
+    set_numbers(table, "distance", result.distance);
+    set_numbers(table, "residual", result.residual);
+    set_counts(table, "evaluations", result.evaluations);
+    table.set(naming.status(&result.status));
+}
+
+/// How far the points that are *ok* were moved.
+pub(crate) fn moved<const D: usize>(result: &Projections<D>) -> MovedReport {
+    let mut distances: Vec<f64> = result
+        .distance
+        .iter()
+        .zip(&result.status)
+        .filter(|(_, status)| **status == Status::Ok)
+        .map(|(distance, _)| distance.abs())
+        .collect();
+    if distances.is_empty() {
+        return MovedReport::default();
+    }
+    let squares: f64 = distances.iter().map(|d| d * d).sum();
+    let count = distances.len() as f64;
+    distances.sort_unstable_by(f64::total_cmp);
+    let evaluations: f64 = result.evaluations.iter().map(|&e| f64::from(e)).sum();
+    MovedReport {
+        rms: (squares / count).sqrt(),
+        median: distances[distances.len() / 2],
+        largest: distances[distances.len() - 1],
+        mean_evaluations: evaluations / result.evaluations.len() as f64,
+    }
+}

@@ -1,0 +1,195 @@
+//! The gradient is that of f: it agrees with dual numbers through an independent brute force and with differences.
+
+mod common;
+
+use common::{Columns, FIELDS, VARIANTS, WEIGHTS, add, dot, largest, length, near_samples, scale, sub};
+use footpoint::samples::{self, Samples};
+use footpoint::{Definition, NormalField, Surface, Want, Weight};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use num_dual::{Dual64, DualNum};
+
+/// θ(s²) as SPEC § 1 writes it.
+fn theta<T: DualNum<Primitive = f64> + Copy>(weight: Weight, s2: T) -> T {
+    let one = T::from(1.0);
+    match weight {
+        // At s = 0 the root has no derivative, but θ has: it is 0.
+        Weight::Wendland if s2.re() == 0.0 => one,
+        Weight::Wendland if s2.re() < 1.0 => (one - s2.sqrt()).powi(4) * (s2.sqrt() * 4.0 + 1.0),
+        Weight::Poly2 if s2.re() < 1.0 => (one - s2).powi(2),
+        Weight::Poly3 if s2.re() < 1.0 => (one - s2).powi(3),
+        Weight::Poly4 if s2.re() < 1.0 => (one - s2).powi(4),
+        Weight::Gaussian { cut } if (-s2.re()).exp() >= cut => (-s2).exp(),
+        _ => T::from(0.0),
+    }
+}
+
+/// The eigenvector number `own` of a symmetric matrix in any dual arithmetic: the real pair, then one Newton step on
+/// [(A − λ) n = 0, (n·n − 1)/2 = 0] with the real inverse Jacobian. That makes the first derivative exact.
+fn eigenvector<T: DualNum<Primitive = f64> + Copy, const D: usize>(a: [[T; D]; D], largest: bool) -> [T; D] {
+    let real = DMatrix::from_fn(D, D, |i, j| a[i][j].re());
+    let pairs = SymmetricEigen::new(real.clone());
+    let mut order: Vec<usize> = (0..D).collect();
+    order.sort_by(|&i, &j| pairs.eigenvalues[i].total_cmp(&pairs.eigenvalues[j]));
+    let own = order[if largest { D - 1 } else { 0 }];
+    let (lambda, n) = (pairs.eigenvalues[own], pairs.eigenvectors.column(own).into_owned());
+    let mut jacobian = DMatrix::zeros(D + 1, D + 1);
+    for i in 0..D {
+        for j in 0..D {
+            jacobian[(i, j)] = real[(i, j)] - if i == j { lambda } else { 0.0 };
+        }
+        (jacobian[(i, D)], jacobian[(D, i)]) = (-n[i], n[i]);
+    }
+    let inverse = jacobian.try_inverse().unwrap();
+    let mut residual = vec![T::from(0.0); D + 1];
+    for i in 0..D {
+        residual[i] = (0..D).fold(T::from(-lambda * n[i]), |sum, j| sum + a[i][j] * n[j]);
+    }
+    residual[D] = T::from((DVector::dot(&n, &n) - 1.0) / 2.0);
+    std::array::from_fn(|i| {
+        (0..=D).fold(T::from(n[i]), |sum, j| sum - residual[j] * inverse[(i, j)])
+    })
+}
+
+/// f(x) by its definition, over all samples, in any dual arithmetic; the sign is that of `like`.
+fn brute_force<T: DualNum<Primitive = f64> + Copy, const D: usize>(
+    columns: &Columns<D>,
+    weight: Weight,
+    field: NormalField,
+    x: [T; D],
+    like: [f64; D],
+) -> T {
+    let zero = T::from(0.0);
+    let normals = columns.normals.as_ref().unwrap();
+    let terms: Vec<([T; D], T, [f64; D])> = (0..columns.points.len())
+        .map(|i| {
+            let d: [T; D] = std::array::from_fn(|k| -x[k] + columns.points[i][k]);
+            let h = columns.supports.as_ref().map_or(columns.radius, |s| s[i]);
+            let factor = columns.factors.as_ref().map_or(1.0, |f| f[i]);
+            let s2 = d.iter().fold(zero, |sum, &c| sum + c * c) / (h * h);
+            (d, theta(weight, s2) * factor, normals[i])
+        })
+        .collect();
+    let sum = terms.iter().fold(zero, |sum, t| sum + t.1);
+    let u: [T; D] = std::array::from_fn(|k| terms.iter().fold(zero, |s, t| s + t.0[k] * t.1) / sum);
+    let n: [T; D] = if field == NormalField::AveragedNormals {
+        let total: [T; D] = std::array::from_fn(|k| terms.iter().fold(zero, |s, t| s + t.1 * t.2[k]));
+        let size = total.iter().fold(zero, |s, &c| s + c * c).sqrt();
+        total.map(|c| c / size)
+    } else {
+        let mut matrix = [[zero; D]; D];
+        for &(d, theta, normal) in &terms {
+            let v: [T; D] = match field {
+                NormalField::Covariance => d,
+                NormalField::CentredCovariance => std::array::from_fn(|k| d[k] - u[k]),
+                _ => normal.map(T::from),
+            };
+            for i in 0..D {
+                for j in 0..D {
+                    matrix[i][j] += v[i] * v[j] * theta;
+                }
+            }
+        }
+        eigenvector(matrix, field == NormalField::AveragedAxes)
+    };
+    let sign = if (0..D).map(|k| n[k].re() * like[k]).sum::<f64>() < 0.0 { 1.0 } else { -1.0 };
+    (0..D).fold(zero, |s, k| s + n[k] * u[k]) * sign
+}
+
+/// ∂f/∂x_k by differences of the fourth order; `None` where a sample enters or leaves a support on the way.
+fn differences<const D: usize>(surface: &Surface<D>, x: [f64; D], n: [f64; D], h: f64) -> Option<[f64; D]> {
+    let step = 3e-4 * h;
+    let mut gradient = [0.0; D];
+    for k in 0..D {
+        let shifted: Vec<[f64; D]> = [-2.0, -1.0, 1.0, 2.0]
+            .iter()
+            .map(|times| add(x, std::array::from_fn(|j| if j == k { times * step } else { 0.0 })))
+            .collect();
+        let e = surface.evaluate(&shifted, Want::VALUE | Want::FRAME_NORMAL | Want::NEIGHBOURS);
+        if e.neighbours.iter().any(|&count| count != e.neighbours[0]) {
+            return None;
+        }
+        let f = |j: usize| e.value[j] * dot(e.frame_normal[j], n).signum();
+        gradient[k] = (f(0) - 8.0 * f(1) + 8.0 * f(2) - f(3)) / (12.0 * step);
+    }
+    Some(gradient)
+}
+
+/// Largest errors of all settings: against dual numbers, value against brute force, against differences.
+fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
+    let mut worst = [0.0_f64; 3];
+    let (mut compared, mut differenced) = (0, 0);
+    for variant in VARIANTS {
+        for (weight, share) in WEIGHTS {
+            for field in FIELDS {
+                let columns = Columns::new(shape, share * radius, variant);
+                let surface = columns.surface(Definition::new().with_weight(weight).with_field(field));
+                let mut queries = near_samples(&columns.points, 14, 0.3 * radius, 5);
+                // r = 0: exactly at samples.
+                queries.extend(&columns.points[..4]);
+                let e = surface.evaluate(&queries, Want::ALL);
+                for (i, &x) in queries.iter().enumerate() {
+                    if e.gap[i].is_nan() || e.gap[i] < 0.1 {
+                        continue;
+                    }
+                    compared += 1;
+                    let (n, h) = (e.frame_normal[i], e.support[i]);
+                    let mut error = [0.0; 3];
+                    let size = length(e.gradient[i]).max(1.0);
+                    let dual: [f64; D] = std::array::from_fn(|k| {
+                        let x = std::array::from_fn(|j| Dual64::new(x[j], f64::from(u8::from(j == k))));
+                        brute_force(&columns, weight, field, x, n).eps
+                    });
+                    error[0] = length(sub(e.gradient[i], dual)) / size;
+                    error[1] = (e.value[i] - brute_force(&columns, weight, field, x, n)).abs() / h;
+                    if let Some(difference) = differences(&surface, x, n, h) {
+                        differenced += 1;
+                        error[2] = length(sub(e.gradient[i], difference)) / size;
+                    }
+                    let bounds = [1e-11, 1e-13, 1e-8];
+                    for j in 0..3 {
+                        let what = ["dual numbers", "value", "differences"][j];
+                        let case = format!("{what}: {weight:?} {field:?} {variant:?} query {i}");
+                        assert!(error[j] <= bounds[j], "{case}: {:e}, gap {}", error[j], e.gap[i]);
+                        worst[j] = largest([worst[j], error[j]]);
+                    }
+                }
+            }
+        }
+    }
+    println!("D = {D}: {compared} compared, {differenced} by differences, worst {worst:?}");
+    assert!(compared > 1000 && differenced > 500, "{compared} {differenced}");
+}
+
+#[test]
+fn on_a_noisy_torus() {
+    let shape = samples::torus(1.0, 0.4, 1600, 1);
+    check(&shape.with_noise(0.02, 2), 0.34);
+}
+
+#[test]
+fn on_a_noisy_ellipse() {
+    check(&samples::ellipse(1.0, 0.6, 250, 3).with_noise(0.01, 4), 0.3);
+}
+
+#[test]
+fn on_a_noisy_sphere_at_survey_offsets_far_from_the_origin() {
+    // Exact differences of exact multiples: the brute force sees the same cloud.
+    let mut shape = samples::sphere(1.0, 900, 5).with_noise(0.02, 6);
+    for p in &mut shape.points {
+        *p = p.map(|c| (c * 2.0_f64.powi(20)).round() / 2.0_f64.powi(20));
+    }
+    let moved: Vec<[f64; 3]> = shape.points.iter().map(|&p| add(p, [4.5e5, 5.3e6, 100.0])).collect();
+    let near = Columns::new(&shape, 0.4, VARIANTS[0]);
+    let far = Columns { points: moved, ..near.clone() };
+    for field in FIELDS {
+        let queries = &near.points[..200];
+        let there: Vec<[f64; 3]> = queries.iter().map(|&p| add(p, [4.5e5, 5.3e6, 100.0])).collect();
+        let a = near.field(field).evaluate(queries, Want::ALL);
+        let b = far.field(field).evaluate(&there, Want::ALL);
+        for i in 0..queries.len() {
+            let sign = dot(a.frame_normal[i], b.frame_normal[i]).signum();
+            let error = length(sub(a.gradient[i], scale(b.gradient[i], sign)));
+            assert!(error <= 1e-11 * length(a.gradient[i]).max(1.0), "{field:?} {i}: {error:e}");
+        }
+    }
+}
