@@ -397,6 +397,8 @@ fn share(text: &str) -> Result<f64, String> {
     };
     match number.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&(value * unit)) => Ok(value * unit),
-        _ => Err("a share is a number such as 1% or 0.01 (put --strict last, or write --strict=1%)".to_owned()),
+        _ => {
+            Err("a share is a number such as 1% or 0.01 (put --strict last, or write --strict=1%)".to_owned())
+        }
     }
 }

@@ -25,7 +25,11 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
     for input in &report.inputs {
         writeln!(out, "{}: {} points, {}-D, {}", input.path, input.points, input.dimension, input.format)?;
         if input.not_finite > 0 {
-            writeln!(out, "  {} points are not finite and keep their place without an answer", input.not_finite)?;
+            writeln!(
+                out,
+                "  {} points are not finite and keep their place without an answer",
+                input.not_finite
+            )?;
         }
         if input.unusable_normals > 0 {
             writeln!(out, "  {} normals are zero or not finite and count as absent", input.unusable_normals)?;

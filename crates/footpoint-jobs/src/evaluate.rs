@@ -82,12 +82,7 @@ fn run<const D: usize>(
 }
 
 /// Coordinates, answers, then what else the queries carried under names not taken.
-fn arrange<const D: usize>(
-    at: Loaded,
-    result: Evaluations<D>,
-    extra: &[Extra],
-    naming: Naming,
-) -> Table {
+fn arrange<const D: usize>(at: Loaded, result: Evaluations<D>, extra: &[Extra], naming: Naming) -> Table {
     let mut queries = at.input.table;
     naming.keep_given_normals(&mut queries, &at.roles);
     let mut table = Table { columns: Vec::new(), comments: std::mem::take(&mut queries.comments) };

@@ -88,8 +88,7 @@ fn run<const D: usize>(
     }
 
     let cloud: Cloud<D> = loaded.cloud(&context.recipe)?;
-    info.spacing =
-        timed(&mut report.times.index, || footpoint::spacing(&cloud, &context.run.silent()));
+    info.spacing = timed(&mut report.times.index, || footpoint::spacing(&cloud, &context.run.silent()));
     info.support_reason = reason::<D>(context);
     let has_normals = cloud.absent_normals() < cloud.len();
     match loaded.surface::<D>(context, &mut report) {

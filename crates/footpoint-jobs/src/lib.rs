@@ -20,9 +20,7 @@ pub use evaluate::{Extra, evaluate};
 pub use info::{InfoReport, NormalsReport, info};
 pub use normals::{NormalChoice, normals};
 pub use project::project;
-pub use report::{
-    InputReport, MovedReport, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
-};
+pub use report::{InputReport, MovedReport, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of};
 
 /// What the jobs take from the library, so that a front needs no other crate.
 pub use footpoint::{

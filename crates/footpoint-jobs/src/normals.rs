@@ -55,9 +55,8 @@ fn run<const D: usize>(
         NormalChoice::Frame => Want::FRAME_NORMAL,
         NormalChoice::Both => Want::SURFACE_NORMAL | Want::FRAME_NORMAL,
     };
-    let result = timed(&mut report.times.compute, || {
-        surface.with(&context.run).evaluate(Queries::Samples, want)
-    })?;
+    let result =
+        timed(&mut report.times.compute, || surface.with(&context.run).evaluate(Queries::Samples, want))?;
     report.count(&result.status);
 
     let naming = Naming::of(output);

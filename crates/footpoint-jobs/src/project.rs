@@ -47,8 +47,7 @@ fn run<const D: usize>(
     let surface = onto.as_ref().unwrap_or(&points).surface::<D>(context, &mut report)?;
     let foreign = onto.is_some().then(|| points.points::<D>());
     let queries = foreign.as_deref().map_or(Queries::Samples, Queries::Points);
-    let result =
-        timed(&mut report.times.compute, || surface.with(&context.run).project(queries, &how))?;
+    let result = timed(&mut report.times.compute, || surface.with(&context.run).project(queries, &how))?;
     report.count(&result.status);
     report.moved = Some(moved(&result));
 

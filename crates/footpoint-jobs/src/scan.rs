@@ -6,6 +6,7 @@
 
 mod vessel;
 
+use footpoint::samples::Random;
 pub use vessel::{Hit, Vessel};
 use vessel::{add, cross, dot, norm, scale, sub, unit};
 
@@ -94,7 +95,7 @@ pub fn scan(vessel: &Vessel, plan: &ScanPlan) -> Scan {
         let up = cross(right, ahead);
         for row in (0..side).step_by(plan.every.max(1) as usize) {
             for column in (0..side).step_by(plan.every.max(1) as usize) {
-                let mut random = Random::for_ray(plan.seed, station, row, column);
+                let mut random = random_for_ray(plan.seed, station, row, column);
                 let mut angle = |k: u32| {
                     (f64::from(k) + 0.5 + JITTER * (2.0 * random.uniform() - 1.0)) * step - half_view
                 };
@@ -106,7 +107,7 @@ pub fn scan(vessel: &Vessel, plan: &ScanPlan) -> Scan {
                 if dot(hit.normal, direction).abs() < weakest {
                     continue;
                 }
-                scan.points.push(add(hit.point, direction, plan.noise * random.gaussian()));
+                scan.points.push(add(hit.point, direction, plan.noise * random.normal()));
                 scan.truth.push(hit.point);
                 scan.normals.push(hit.normal);
                 scan.station.push(station);
@@ -116,37 +117,14 @@ pub fn scan(vessel: &Vessel, plan: &ScanPlan) -> Scan {
     scan
 }
 
-/// The SplitMix64 generator, started afresh for every ray: a ray's jitter and noise depend neither on the
-/// other rays nor on how many of them are cast.
-struct Random(u64);
-
-impl Random {
-    fn for_ray(seed: u64, station: u8, row: u32, column: u32) -> Self {
-        let mut random = Self(seed);
-        random.0 = random.next() ^ u64::from(station);
-        random.0 = random.next() ^ (u64::from(row) << 32 | u64::from(column));
-        random.0 = random.next();
-        random
+/// Random numbers started afresh for every ray: a ray's jitter and noise depend neither on the other rays nor on
+/// how many of them are cast.
+fn random_for_ray(seed: u64, station: u8, row: u32, column: u32) -> Random {
+    let mut stir = seed;
+    for word in [u64::from(station), u64::from(row) << 32 | u64::from(column)] {
+        stir = Random::new(stir).bits() ^ word;
     }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in the open interval from 0 to 1.
-    fn uniform(&mut self) -> f64 {
-        ((self.next() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
-    }
-
-    /// Normal with mean 0 and standard deviation 1, by Box and Muller's formula.
-    fn gaussian(&mut self) -> f64 {
-        let length = (-2.0 * self.uniform().ln()).sqrt();
-        length * (std::f64::consts::TAU * self.uniform()).cos()
-    }
+    Random::new(Random::new(stir).bits())
 }
 
 #[cfg(test)]

@@ -40,6 +40,10 @@ pub(crate) struct Fit<L, const D: usize> {
     pub(crate) eigenvalues: Vector<L, D>,
 }
 
+/// Eigenvalues of the centred matrix that differ by less than this share of the trace about x are equal: rounding
+/// leaves a few units in the last place of that trace.
+const CANCELLED: f64 = 1e-14;
+
 /// Fits the frame. The sign of n is that of the samples' normals where they have one here, else the component of
 /// largest magnitude is positive (SPEC § 3).
 pub(crate) fn fit<L: Lane, const D: usize>(field: NormalField, sums: &FrameSums<L, D>) -> Fit<L, D> {
@@ -52,6 +56,10 @@ pub(crate) fn fit<L: Lane, const D: usize>(field: NormalField, sums: &FrameSums<
         }
         NormalField::CentredCovariance => {
             let mut matrix = normalised(sums.second, sums.weight);
+            let mut trace = matrix[0][0];
+            for k in 1..D {
+                trace = trace + matrix[k][k];
+            }
             for i in 0..D {
                 for j in 0..D {
                     matrix[i][j] = matrix[i][j] - u[i] * u[j];
@@ -59,6 +67,9 @@ pub(crate) fn fit<L: Lane, const D: usize>(field: NormalField, sums: &FrameSums<
             }
             let pairs = eigen(matrix);
             let (normal, g, gap) = smallest(&pairs, u, sums);
+            // Where the samples nearly coincide the difference above cancels: what is left is rounding, not a frame.
+            let known = (trace * L::splat(CANCELLED)).less(pairs.values[1] - pairs.values[0]);
+            let gap = L::select(known, gap, L::splat(0.0));
             fitted(normal, u, Contraction::Centred { g }, gap, scale(pairs.values, sums.weight))
         }
         NormalField::AveragedNormals => {

@@ -12,6 +12,13 @@ use crate::surface::{Grouped, Queries, Running, Sign, Surface, unit_gradient};
 /// How far an iterate may move, in units of the grid (half to one support), before its candidates are sought anew.
 const MARGIN: f64 = 0.3;
 
+/// Steps are halved for another attempt where the full ones fail: they have the same limits, and reach them where
+/// full steps go round in circles or leave the domain. On a torus with noise of half a spacing and 30 neighbours
+/// the first attempt leaves 13,700 points in a million without a limit, five leave 770.
+const ATTEMPTS: i32 = 5;
+/// Evaluations in which the residual must halve, or the attempt has failed.
+const PATIENCE: u32 = 20;
+
 /// Which point of the surface a point is taken to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -40,7 +47,7 @@ pub struct Project {
 
 impl Default for Project {
     fn default() -> Self {
-        Self { operator: Operator::default(), tolerance: 1e-6, most_evaluations: 200 }
+        Self { operator: Operator::default(), tolerance: 1e-6, most_evaluations: 1000 }
     }
 }
 
@@ -62,7 +69,7 @@ impl Project {
         self
     }
 
-    /// Gives up after this many evaluations of f (200 by default).
+    /// Gives up after this many evaluations of f (1000 by default; few points need more than 40).
     pub fn with_most_evaluations(mut self, most: u32) -> Self {
         self.most_evaluations = most;
         self
@@ -127,7 +134,7 @@ impl<const D: usize> Surface<D> {
         let mut evaluator = Evaluator::new(&self.grid, &self.definition, MARGIN);
         let mut points = [Moving::new(Position::at(start))];
         let mut last = [f64::NAN; D];
-        iterate(&mut evaluator, &mut points, how, |_, position, local| {
+        iterate(&mut evaluator, &mut points, how, 1, |position, local| {
             trace.iterates.push(scale(position.rounded(), self.grid.unit));
             let sign = if dot(local.normal, last) < 0.0 { -1.0 } else { 1.0 };
             last = scale(local.normal, sign);
@@ -165,7 +172,7 @@ impl<const D: usize> Running<'_, D> {
                 *moving = Moving::new(*position);
             }
             let moving = &mut moving[..block.positions().len()];
-            iterate(evaluator, moving, how, |_, _, _| {});
+            iterate(evaluator, moving, how, ATTEMPTS, |_, _| {});
             for (&row, moving) in block.rows.iter().zip(moving.iter()) {
                 let verdict = moving.verdict(surface);
                 status.put(row, verdict);
@@ -208,6 +215,11 @@ struct Moving<const D: usize> {
     /// Length of the step that led to `position`.
     step: f64,
     evaluations: u32,
+    /// Attempts before this one, and evaluations before it.
+    failed: i32,
+    before: u32,
+    /// The residual that the next one is to halve, and the number of its evaluation.
+    mark: (f64, u32),
     /// *ok* while it moves and when it has arrived.
     status: Status,
 }
@@ -215,7 +227,9 @@ struct Moving<const D: usize> {
 impl<const D: usize> Moving<D> {
     fn new(position: Position<f64, D>) -> Self {
         let local = Local::NOWHERE;
-        Self { position, local, step: f64::INFINITY, evaluations: 0, status: Status::Ok }
+        let mark = (f64::INFINITY, 0);
+        let step = f64::INFINITY;
+        Self { position, local, step, evaluations: 0, failed: 0, before: 0, mark, status: Status::Ok }
     }
 
     /// The larger of |f| and the last step at the last evaluation.
@@ -242,12 +256,12 @@ impl<const D: usize> Moving<D> {
         if signed && dot(back, self.local.gradient) < 0.0 { -distance } else { distance }
     }
 
-    /// Way from the anchor to the next iterate.
+    /// Way from the anchor to the next iterate of the plain operator.
     fn next_offset(&self, operator: Operator) -> Vector<f64, D> {
         let Local { normal, value, gradient, aside, .. } = self.local;
         let offset = self.position.offset;
         match operator {
-            Operator::Basic if self.evaluations == 1 => aside,
+            Operator::Basic if self.is_first() => aside,
             Operator::Basic => add_scaled(offset, normal, -value),
             // φ = f + n·(x − y), and x − y = −offset.
             Operator::AlmostOrthogonal => scale(normal, dot(normal, offset) - value),
@@ -255,39 +269,68 @@ impl<const D: usize> Moving<D> {
         }
     }
 
+    /// Whether the attempt stands at its start.
+    fn is_first(&self) -> bool {
+        self.evaluations == self.before + 1
+    }
+
     /// Takes in the evaluation at `position` and moves on, or ends; true while it is under way.
-    fn advance(&mut self, local: Local<D>, how: &Project) -> bool {
+    fn advance(&mut self, local: Local<D>, how: &Project, attempts: i32) -> bool {
         self.local = local;
         self.evaluations += 1;
         if !local.status.is_ok() {
-            self.status = local.status;
+            return self.fail(local.status, how, attempts);
+        }
+        let arrived = self.step.is_finite() && self.residual() <= how.tolerance * local.support;
+        if arrived {
             return false;
         }
-        if self.residual() <= how.tolerance * local.support && self.step.is_finite() {
-            return false;
+        if self.residual() < 0.5 * self.mark.0 {
+            self.mark = (self.residual(), self.evaluations);
         }
-        if self.evaluations >= how.most_evaluations {
-            self.status = Status::NotConverged;
-            return false;
+        let stuck = attempts > 1 && self.evaluations - self.mark.1 >= PATIENCE;
+        if stuck || self.evaluations >= how.most_evaluations {
+            return self.fail(Status::NotConverged, how, attempts);
         }
-        let next = self.next_offset(how.operator);
+        let offset = self.position.offset;
+        let step = sub(self.next_offset(how.operator), offset);
+        let first_of_basic = how.operator == Operator::Basic && self.is_first();
+        let share = if first_of_basic { 1.0 } else { 0.5_f64.powi(self.failed) };
+        let next = add_scaled(offset, step, share);
         let target = add(self.position.anchor, next);
         if !next.iter().chain(&target).all(|c| c.abs() < LARGEST_COORDINATE) {
-            self.status = Status::Singular;
+            return self.fail(Status::Singular, how, attempts);
+        }
+        // The whole step, also where a share of it is taken: it measures the distance from the limit.
+        self.step = length(step);
+        self.position.offset = next;
+        true
+    }
+
+    /// Begins again with half the steps, or ends with the status of the failure.
+    fn fail(&mut self, status: Status, how: &Project, attempts: i32) -> bool {
+        let hopeless = self.is_first() && !self.local.status.is_ok();
+        if hopeless || self.failed + 1 >= attempts || self.evaluations >= how.most_evaluations {
+            self.status = status;
             return false;
         }
-        self.step = length(sub(next, self.position.offset));
-        self.position.offset = next;
+        self.failed += 1;
+        self.before = self.evaluations;
+        self.mark = (f64::INFINITY, self.evaluations);
+        self.step = f64::INFINITY;
+        self.position = Position::at(self.position.anchor);
         true
     }
 }
 
-/// Iterates the plain operator (SPEC § 6) for a block until every point has ended. `observe` sees every evaluation.
+/// Iterates the operator (SPEC § 6) for a block until every point has ended, with at most so many attempts each; one
+/// attempt gives the plain iterates. `observe` sees every evaluation.
 fn iterate<const D: usize>(
     evaluator: &mut Evaluator<'_, D>,
     points: &mut [Moving<D>],
     how: &Project,
-    mut observe: impl FnMut(usize, &Position<f64, D>, &Local<D>),
+    attempts: i32,
+    mut observe: impl FnMut(&Position<f64, D>, &Local<D>),
 ) {
     let mut under_way: Vec<usize> = (0..points.len()).collect();
     let mut locals = [Local::NOWHERE; BLOCK];
@@ -300,8 +343,8 @@ fn iterate<const D: usize>(
         let mut locals = locals.iter();
         under_way.retain(|&i| {
             let Some(local) = locals.next() else { return false };
-            observe(i, &points[i].position, local);
-            points[i].advance(*local, how)
+            observe(&points[i].position, local);
+            points[i].advance(*local, how, attempts)
         });
     }
 }

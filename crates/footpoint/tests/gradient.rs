@@ -45,9 +45,7 @@ fn eigenvector<T: DualNum<Primitive = f64> + Copy, const D: usize>(a: [[T; D]; D
         residual[i] = (0..D).fold(T::from(-lambda * n[i]), |sum, j| sum + a[i][j] * n[j]);
     }
     residual[D] = T::from((DVector::dot(&n, &n) - 1.0) / 2.0);
-    std::array::from_fn(|i| {
-        (0..=D).fold(T::from(n[i]), |sum, j| sum - residual[j] * inverse[(i, j)])
-    })
+    std::array::from_fn(|i| (0..=D).fold(T::from(n[i]), |sum, j| sum - residual[j] * inverse[(i, j)]))
 }
 
 /// f(x) by its definition, over all samples, in any dual arithmetic; the sign is that of `like`.

@@ -47,7 +47,8 @@ fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
         };
         for variant in variants {
             let whole = Columns::new(shape, radius, variant);
-            for (q, x) in near_samples(&whole.points, 3, 0.3 * radius, 8).into_iter().enumerate() {
+            let count = if weight == Weight::Poly3 { 3 } else { 2 };
+            for (q, x) in near_samples(&whole.points, count, 0.3 * radius, 8).into_iter().enumerate() {
                 let near = (0..whole.points.len()).filter(|&i| length(sub(whole.points[i], x)) < reach);
                 let columns = whole.select(&near.collect::<Vec<_>>());
                 for field in FIELDS {
@@ -82,10 +83,10 @@ fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
 
 #[test]
 fn on_a_noisy_torus() {
-    check(&samples::torus(1.0, 0.4, 1000, 1).with_noise(0.02, 2), 0.34);
+    check(&samples::torus(1.0, 0.4, 1000, 1).with_noise(0.02, 2), 0.29);
 }
 
 #[test]
 fn on_a_noisy_ellipse() {
-    check(&samples::ellipse(1.0, 0.6, 160, 3).with_noise(0.01, 4), 0.3);
+    check(&samples::ellipse(1.0, 0.6, 160, 3).with_noise(0.01, 4), 0.25);
 }

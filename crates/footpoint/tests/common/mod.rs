@@ -278,6 +278,11 @@ pub(crate) fn without_locations(rows: Vec<Row>) -> Vec<Row> {
 pub(crate) fn same_rows(found: &[Row], expected: &[Row], what: &str) {
     assert_eq!(found.len(), expected.len(), "{what}");
     for (i, (f, e)) in found.iter().zip(expected).enumerate() {
-        assert_eq!(f, e, "{what}: row {i}");
+        let unlike = f
+            .iter()
+            .zip(e)
+            .filter(|(f, e)| f != e)
+            .map(|(f, e)| (f.0, f64::from_bits(f.1), f64::from_bits(e.1), f.1.min(1000), e.1.min(1000)));
+        assert!(f == e, "{what}: row {i} differs: {:?}", unlike.collect::<Vec<_>>());
     }
 }
