@@ -31,7 +31,7 @@ fn main() -> ExitCode {
     let run = Run::new().threads(common.threads).cancel(&cancelled).progress(&report);
     let result = common.recipe().and_then(|recipe| {
         let context = Context { recipe, overwrite: common.overwrite(), run };
-        work(&arguments.verb, context).map_err(|error| error.to_string())
+        work(&arguments.verb, context).map_err(|error| explain(&error))
     });
     progress.finish();
     match result.and_then(|report| finish(&arguments.verb, &report)) {
@@ -61,18 +61,23 @@ fn work(verb: &Verb, mut context: Context<'_>) -> Result<Report, JobError> {
     }
 }
 
+/// The error, with the option that helps.
+fn explain(error: &JobError) -> String {
+    if error.is_existing_output() {
+        return format!("{error} (--force overwrites it)");
+    }
+    error.to_string()
+}
+
 /// Prints what is to be printed and judges the statuses.
 fn finish(verb: &Verb, report: &Report) -> Result<ExitCode, String> {
     let common = verb.common();
-    let mut results = String::new();
-    let mut messages = String::new();
-    if common.json {
-        results = serde_json::to_string_pretty(report).map_err(|error| error.to_string())? + "\n";
-    } else if matches!(verb, Verb::Demo(_) | Verb::Info(_)) {
-        results = print::report(report, common.verbosity());
-    } else {
-        messages = print::report(report, common.verbosity());
-    }
+    let words = print::report(report, common.verbosity());
+    let (results, mut messages) = match verb {
+        _ if common.json => (serde_json::to_string_pretty(report).map_err(|e| e.to_string())? + "\n", words),
+        Verb::Demo(_) | Verb::Info(_) => (words, String::new()),
+        _ => (String::new(), words),
+    };
     let allowed = common.strict.unwrap_or(f64::INFINITY) * report.points as f64;
     let strict = report.not_ok() as f64 > allowed;
     if strict {

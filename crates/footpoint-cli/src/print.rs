@@ -53,10 +53,9 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             writeln!(out, "{} samples do not take part", surface.samples_absent)?;
         }
         if verbosity == Verbosity::Verbose {
-            let definition = &report.recipe.definition;
-            writeln!(out, "field {:?}, weight {:?}", definition.field(), definition.weight())?;
-            writeln!(out, "support rule {:?}, sign {:?}", definition.support(), surface.sign)?;
-            writeln!(out, "boundary limit {}, cell side {}", surface.boundary_limit, surface.cell_side)?;
+            writeln!(out, "definition {}", json(&report.recipe.definition))?;
+            writeln!(out, "sign {}, boundary limit {}", json(&surface.sign), surface.boundary_limit)?;
+            writeln!(out, "cell side {}", surface.cell_side)?;
         }
     }
     if !report.statuses.is_empty() {
@@ -127,6 +126,11 @@ fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {
         writeln!(out, "no surface: {problem}")?;
     }
     Ok(())
+}
+
+/// A part of the report as `--json` gives it.
+fn json(part: &impl serde::Serialize) -> String {
+    serde_json::to_string(part).unwrap_or_default()
 }
 
 /// A length with five significant digits.

@@ -46,6 +46,7 @@ pub struct DemoReport {
 /// Scans the vase, computes normals and orthogonal projections, writes `scan.ply`, `normals.ply` and
 /// `projected.ply`, and compares with the truth.
 pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> {
+    plan.scan.check()?;
     let mut report = Report::new("demo", context.recipe.clone());
     let how: Project = *report.recipe.project.get_or_insert_default();
     let made = std::fs::create_dir_all(&plan.folder);
@@ -62,7 +63,7 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
     set_vectors(&mut table, |axis| ["x", "y", "z"][axis].to_owned(), &scan.points);
     table.set(Column::new("station", Data::U8(scan.station)));
     let cloud = Cloud::new(scan.points);
-    let surface = surface_of_cloud(cloud, context, &mut report.times)?;
+    let surface = surface_of_cloud(cloud, "the simulated scan", context, &mut report.times)?;
     report.surface = Some(SurfaceReport::of(&surface));
 
     let (evaluated, projected) = timed(&mut report.times.compute, || -> Result<_, JobError> {

@@ -103,9 +103,26 @@ pub enum JobError {
         /// What the system says.
         problem: std::io::Error,
     },
+    /// A scan that cannot be simulated.
+    #[error(transparent)]
+    Plan(#[from] scan::PlanError),
     /// The job was cancelled.
     #[error("cancelled; nothing was written")]
     Cancelled,
+}
+
+impl JobError {
+    /// Whether only an existing file stands against the job, which [`Overwrite::Replace`] would permit.
+    pub fn is_existing_output(&self) -> bool {
+        matches!(self, Self::Write(error) if matches!(error.problem, footpoint_io::WriteProblem::Exists))
+    }
+}
+
+impl JobError {
+    /// Whether an output exists already and may not be overwritten.
+    pub fn is_existing_output(&self) -> bool {
+        matches!(self, Self::Write(error) if matches!(error.problem, footpoint_io::WriteProblem::Exists))
+    }
 }
 
 impl From<footpoint::Cancelled> for JobError {

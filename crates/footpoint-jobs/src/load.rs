@@ -106,9 +106,9 @@ impl Loaded {
         report: &mut Report,
     ) -> Result<Surface<D>, JobError> {
         let cloud = self.cloud::<D>(&context.recipe)?;
-        let surface = surface_of_cloud(cloud, context, &mut report.times).map_err(|error| match error {
+        let built = surface_of_cloud(cloud, &self.path, context, &mut report.times);
+        let surface = built.map_err(|error| match error {
             JobError::Surface { .. } if self.input.table.rows() == 0 => JobError::NoPoints(self.path.clone()),
-            JobError::Surface { problem, .. } => JobError::Surface { path: self.path.clone(), problem },
             other => other,
         })?;
         report.surface = Some(SurfaceReport::of(&surface));
@@ -116,9 +116,10 @@ impl Loaded {
     }
 }
 
-/// Indexes a cloud by the context's definition.
+/// Indexes a cloud by the context's definition; errors name it as `path`.
 pub(crate) fn surface_of_cloud<const D: usize>(
     cloud: Cloud<D>,
+    path: &str,
     context: &Context<'_>,
     times: &mut Times,
 ) -> Result<Surface<D>, JobError> {
@@ -126,7 +127,7 @@ pub(crate) fn surface_of_cloud<const D: usize>(
     let built = timed(&mut times.index, || Surface::build(cloud, context.definition(), &run));
     built.map_err(|problem| match problem {
         Error::Cancelled(_) | Error::Support(SupportError::Cancelled(_)) => JobError::Cancelled,
-        problem => JobError::Surface { path: String::new(), problem },
+        problem => JobError::Surface { path: path.to_owned(), problem },
     })
 }
 

@@ -45,7 +45,35 @@ impl Default for ScanPlan {
     }
 }
 
+/// A plan that gives no scan.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// No station or no ray.
+    #[error("{stations} stations with {rays} rays each: a scan needs at least one of each")]
+    Empty {
+        /// Stations planned.
+        stations: u8,
+        /// Rays of each.
+        rays: u32,
+    },
+    /// The deviation of the ranges is negative or not finite.
+    #[error("noise of {0} metres: it must be zero or positive, and finite")]
+    Noise(f64),
+}
+
 impl ScanPlan {
+    /// Fails if the plan asks for nothing, or for a noise that is no deviation.
+    pub fn check(&self) -> Result<(), PlanError> {
+        if self.stations == 0 || self.rays == 0 {
+            return Err(PlanError::Empty { stations: self.stations, rays: self.rays });
+        }
+        match self.noise >= 0.0 && self.noise.is_finite() {
+            true => Ok(()),
+            false => Err(PlanError::Noise(self.noise)),
+        }
+    }
+
     /// Positions of the stations in metres, in the order in which they scan.
     pub fn station_positions(&self) -> Vec<[f64; 3]> {
         let turn = std::f64::consts::TAU / f64::from(self.stations.max(1));

@@ -102,8 +102,11 @@ pub(crate) fn compare<const D: usize>(a: [f64; D], b: [f64; D]) -> std::cmp::Ord
         .unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// The exponent e with 2^e ≤ |x| < 2^(e+1), for finite x ≠ 0.
+/// The exponent e with 2^e ≤ |x| < 2^(e+1), for finite x; zero has that of the smallest number.
 pub(crate) fn exponent(x: f64) -> i32 {
+    if x == 0.0 {
+        return -1074;
+    }
     let bits = ((x.to_bits() >> 52) & 0x7ff) as i32;
     if bits == 0 {
         // A denormal number: bring it into the normal range first.
@@ -134,6 +137,7 @@ mod tests {
             assert_eq!(exponent(2.0_f64.powi(e.max(-1022)) * 2.0_f64.powi((e + 1022).min(0))), e);
         }
         assert_eq!(exponent(-1.999), 0);
+        assert_eq!(exponent(0.0), exponent(5e-324));
         assert_eq!(exponent(2.0_f64.next_down()), 0);
     }
 }

@@ -31,11 +31,14 @@ impl Default for Kind {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Acceptance {
     /// Least n·∇f; below it the point is *singular*. Default 0.3.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     pub alignment: f64,
     /// Least gap; below it the point is *degenerate*. Default 0.1.
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     pub gap: f64,
     /// Largest |a − x| across n in units of the local support; above it the point is *boundary*. `None` takes the
     /// value that suits weight and field (0.5 for the default definition).
+    #[cfg_attr(feature = "serde", serde(with = "crate::written::optional"))]
     pub boundary: Option<f64>,
 }
 
@@ -46,9 +49,8 @@ impl Default for Acceptance {
 }
 
 impl Acceptance {
-    /// Accepts every zero of f at which a frame exists.
-    pub const EVERY_ZERO: Self =
-        Self { alignment: f64::NEG_INFINITY, gap: 0.0, boundary: Some(f64::INFINITY) };
+    /// Accepts every zero of f at which a frame exists. Its limits are finite, so that every format can hold them.
+    pub const EVERY_ZERO: Self = Self { alignment: f64::MIN, gap: 0.0, boundary: Some(f64::MAX) };
 }
 
 /// The surface's definition: kind, weight, support rule, domain and acceptance. The default is the recommended one:

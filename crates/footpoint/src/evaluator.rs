@@ -1,8 +1,9 @@
 //! One thread's evaluator: its scratch, and all quantities at the positions of a block.
 
-use crate::algebra::{add, dot, scale};
+use crate::algebra::{add, dot, length, scale};
 use crate::definition::Definition;
-use crate::engine::{BLOCK, Candidates, Needs, Position, first_pass, second_pass};
+pub(crate) use crate::engine::{BLOCK, Position};
+use crate::engine::{Candidates, Needs, first_pass, second_pass};
 use crate::field::{NormalField, fit, gradient};
 use crate::grid::Grid;
 use crate::status::Status;
@@ -10,6 +11,9 @@ use crate::weight::{Kernel, with_kernel};
 
 /// Gaps below this do not determine a frame in double precision (SPEC § 3).
 const DEGENERATE_GAP: f64 = 1e-12;
+
+/// Gradients shorter than this have no direction.
+const SMALLEST_GRADIENT: f64 = 1e-12;
 
 /// How far to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +70,17 @@ impl<const D: usize> Local<D> {
     /// n·∇f.
     pub(crate) fn alignment(&self) -> f64 {
         dot(self.normal, self.gradient)
+    }
+
+    /// ∇f/|∇f|, where ∇f has a direction.
+    pub(crate) fn surface_normal(&self) -> Option<[f64; D]> {
+        let length = length(self.gradient);
+        if length < SMALLEST_GRADIENT || !length.is_finite() {
+            return None;
+        }
+        let unit = scale(self.gradient, 1.0 / length);
+        // Once more: the first division leaves the length a few roundings from one.
+        Some(scale(unit, 1.0 / dot(unit, unit).sqrt()))
     }
 
     /// The rule of SPEC § 8, for a position where f vanishes.

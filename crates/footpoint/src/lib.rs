@@ -29,24 +29,35 @@ mod columns;
 mod definition;
 mod eigen;
 mod engine;
+mod evaluate;
 mod evaluator;
 mod field;
 mod grid;
 mod lane;
 mod project;
+mod queries;
 mod run;
 pub mod samples;
 mod status;
 mod support;
 mod surface;
 mod weight;
+#[cfg(feature = "serde")]
+mod written;
 
 pub use cloud::{Cloud, CloudError};
 pub use definition::{Acceptance, Definition, DefinitionError, Error, Kind};
+pub use evaluate::{Evaluations, Want};
 pub use field::NormalField;
 pub use project::{Operator, Project, Projections, Trace};
+pub use queries::Queries;
 pub use run::{Cancelled, Progress, Run};
 pub use status::Status;
 pub use support::{Support, SupportError, SupportSummary, spacing};
-pub use surface::{Evaluations, Queries, Running, Sign, Surface, Want};
+pub use surface::{Running, Sign, Surface};
 pub use weight::Weight;
+
+/// The README's example is tested like every other.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

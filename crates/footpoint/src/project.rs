@@ -1,13 +1,12 @@
 //! Projection onto the surface: the operators of SPEC § 6 and their statuses.
 
-use crate::algebra::{Vector, add, add_scaled, dot, length, scale, sub};
+use crate::algebra::{Vector, add_scaled, dot, length, scale, sub};
 use crate::columns::{Counts, Numbers, Statuses};
-use crate::engine::{BLOCK, Position};
-use crate::evaluator::{Depth, Evaluator, Local};
-use crate::grid::LARGEST_COORDINATE;
+use crate::evaluator::{BLOCK, Depth, Evaluator, Local, Position};
+use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
 use crate::status::Status;
-use crate::surface::{Grouped, Queries, Running, Sign, Surface, unit_gradient};
+use crate::surface::{Running, Sign, Surface};
 
 /// How far an iterate may move, in units of the grid (half to one support), before its candidates are sought anew.
 const MARGIN: f64 = 0.3;
@@ -41,6 +40,7 @@ pub enum Operator {
 #[cfg_attr(feature = "serde", serde(default))]
 pub struct Project {
     operator: Operator,
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     tolerance: f64,
     most_evaluations: u32,
 }
@@ -127,12 +127,12 @@ impl<const D: usize> Surface<D> {
     /// The plain iterates from one point: for teaching, figures and doubt.
     pub fn trace(&self, point: [f64; D], how: &Project) -> Trace<D> {
         let mut trace = Trace { status: Status::Invalid, ..Trace::default() };
-        let start = scale(point, 1.0 / self.grid.unit);
-        if !start.iter().all(|c| c.abs() < LARGEST_COORDINATE) {
+        let start = Position::at(scale(point, 1.0 / self.grid.unit));
+        if !start.is_representable() {
             return trace;
         }
         let mut evaluator = Evaluator::new(&self.grid, &self.definition, MARGIN);
-        let mut points = [Moving::new(Position::at(start))];
+        let mut points = [Moving::new(start)];
         let mut last = [f64::NAN; D];
         iterate(&mut evaluator, &mut points, how, 1, |position, local| {
             trace.iterates.push(scale(position.rounded(), self.grid.unit));
@@ -153,7 +153,7 @@ impl<const D: usize> Running<'_, D> {
         how: &Project,
     ) -> Result<Projections<D>, Cancelled> {
         let surface = self.surface;
-        let points = surface.points(points.into());
+        let points = points.into().points(surface);
         let grouped = Grouped::new(surface, points, self.run);
         let rows = points.len();
         let moved = Numbers::<D>::new(rows, true);
@@ -180,7 +180,7 @@ impl<const D: usize> Running<'_, D> {
                 residual.put(row, [moving.residual() * surface.grid.unit]);
                 if verdict.is_ok() {
                     moved.put(row, scale(moving.position.rounded(), surface.grid.unit));
-                    surface_normal.put(row, unit_gradient(&moving.local).unwrap_or([f64::NAN; D]));
+                    surface_normal.put(row, moving.local.surface_normal().unwrap_or([f64::NAN; D]));
                     frame_normal.put(row, moving.local.normal);
                     distance.put(row, [moving.distance(surface.sign()) * surface.grid.unit]);
                 }
@@ -243,7 +243,7 @@ impl<const D: usize> Moving<D> {
             return self.status;
         }
         match self.local.acceptance(&surface.definition) {
-            Status::Ok if unit_gradient(&self.local).is_none() => Status::Singular,
+            Status::Ok if self.local.surface_normal().is_none() => Status::Singular,
             verdict => verdict,
         }
     }
@@ -296,14 +296,13 @@ impl<const D: usize> Moving<D> {
         let step = sub(self.next_offset(how.operator), offset);
         let first_of_basic = how.operator == Operator::Basic && self.is_first();
         let share = if first_of_basic { 1.0 } else { 0.5_f64.powi(self.failed) };
-        let next = add_scaled(offset, step, share);
-        let target = add(self.position.anchor, next);
-        if !next.iter().chain(&target).all(|c| c.abs() < LARGEST_COORDINATE) {
+        let next = Position { offset: add_scaled(offset, step, share), ..self.position };
+        if !next.is_representable() {
             return self.fail(Status::Singular, how, attempts);
         }
         // The whole step, also where a share of it is taken: it measures the distance from the limit.
         self.step = length(step);
-        self.position.offset = next;
+        self.position = next;
         true
     }
 

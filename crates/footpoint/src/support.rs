@@ -51,7 +51,9 @@ pub enum SupportError {
     #[error("the support is to come from the samples, but the cloud has no column of supports")]
     NoColumn,
     /// No sample takes part.
-    #[error("no usable sample among {0}: every one lacks finite coordinates, a positive support or factor")]
+    #[error(
+        "no usable sample among {0}: coordinates must be finite (and below 2^50 supports), factors positive"
+    )]
     NoSample(usize),
     /// There is no second point to measure a distance to.
     #[error("all {0} usable samples coincide, so no support can be chosen: give a radius")]

@@ -166,7 +166,7 @@ fn an_automatic_support_on_clouds_that_are_hard_on_trees() {
         assert_eq!(footpoint::spacing(&cloud, &footpoint::Run::new()), Some(spacing));
         assert!(Surface::new(cloud, Definition::new()).is_ok());
     }
-    for tiny in [1e-300, f64::MIN_POSITIVE] {
+    for tiny in [1e-300, f64::MIN_POSITIVE, 5e-324] {
         assert!(Surface::new(Cloud::new([[0.0, 0.0], [tiny, 0.0], [0.0, tiny]]), Definition::new()).is_ok());
     }
 }

@@ -237,12 +237,13 @@ fn the_trace_shows_the_iterates_of_the_projection() {
         let (mut falls, mut steps) = (0, 0);
         for (i, &start) in at.iter().enumerate() {
             let trace = surface.trace(start, &how);
-            assert_eq!(trace.status, p.status[i]);
-            assert_eq!(trace.iterates.len(), p.evaluations[i] as usize);
+            // What plain iteration solves the projection solves, with the same steps.
+            assert!(!trace.status.is_ok() || p.status[i].is_ok());
             assert_eq!(trace.values.len(), trace.iterates.len());
             let back = length(sub(trace.iterates[0], start));
             assert!(back <= 1e-15, "the first iterate is the query, but for rounding: {back:e}");
-            if p.status[i].is_ok() {
+            if trace.status.is_ok() {
+                assert_eq!(trace.iterates.len(), p.evaluations[i] as usize);
                 assert_eq!(*trace.iterates.last().unwrap(), p.point[i]);
                 let e = surface.evaluate(&trace.iterates, Want::VALUE);
                 for (f, value) in trace.values.iter().zip(&e.value) {
@@ -257,6 +258,7 @@ fn the_trace_shows_the_iterates_of_the_projection() {
                 assert!(trace.values.iter().all(|v| v.abs() <= 1.5 * farthest + 0.1 * columns.radius));
             }
         }
+        assert!(steps > 1000, "{operator:?}: {steps}");
         println!("{operator:?}: |f| falls in {falls} of {steps} steps");
         assert!(falls as f64 > 0.95 * steps as f64, "{operator:?}: {falls} of {steps}");
     }

@@ -90,14 +90,14 @@ fn check<const D: usize>(columns: &Columns<D>, definition: Definition, label: &s
     let stays = |q: &[f64; D]| {
         OPERATORS.iter().all(|&operator| {
             let trace = surface.trace(*q, &Project::new().with_operator(operator).with_tolerance(1e-12));
-            trace.iterates.iter().all(|&y| near(y, 1.9 * reach))
+            trace.status.is_ok() && trace.iterates.iter().all(|&y| near(y, 1.9 * reach))
         })
     };
     let inner: Vec<[f64; D]> = (0..60)
         .map(|_| add(middle, scale(common::in_cube(&mut random), 0.5 * reach)))
         .filter(stays)
         .collect();
-    assert!(inner.len() > 40, "{label}: {}", inner.len());
+    assert!(inner.len() > 30, "{label}: {}", inner.len());
     let found = answers(&cut, &inner, &run);
     same_rows(&found, &answers(&surface, &inner, &run), &format!("{label}, a cut-out"));
 }

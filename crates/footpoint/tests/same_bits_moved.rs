@@ -31,7 +31,7 @@ fn answers<const D: usize>(surface: &Surface<D>, queries: &[[f64; D]]) -> Vec<Ro
 
 /// Queries among exact multiples of the grain.
 fn queries<const D: usize>(columns: &Columns<D>) -> Vec<[f64; D]> {
-    let mut queries = near_samples(&columns.points, 400, 0.5 * columns.radius, 3);
+    let mut queries = near_samples(&columns.points, 200, 0.5 * columns.radius, 3);
     queries.extend(&columns.points[..50]);
     queries.into_iter().map(|q| q.map(|c| (c / GRAIN).round() * GRAIN)).collect()
 }

@@ -163,13 +163,14 @@ fn too_few_coincident_and_collinear_samples_are_degenerate_in_space() {
         let about_x = uniform(h).with_field(NormalField::Covariance);
         let about_x = Surface::new(Cloud::new(points.clone()), about_x).unwrap();
         degenerate(&bare(points, h), &queries, label);
-        // About x a line spans a plane with x, in which f is zero: a frame without a gradient.
+        // About x a line spans a plane with x, in which f is zero: a frame without a gradient, and with no surface.
         let e = about_x.evaluate(&queries, Want::ALL);
         check_evaluations(&e, NormalField::Covariance, label);
         let p = about_x.project(&queries, &Project::default());
         check_projections(&p, &queries, label);
-        for status in e.status.iter().chain(&p.status) {
-            assert!(matches!(status, Status::Degenerate | Status::Singular), "{label} about x: {status}");
+        for (e, p) in e.status.iter().zip(&p.status) {
+            assert!(matches!(e, Status::Degenerate | Status::Singular), "{label} about x: {e}");
+            assert!(!p.is_ok(), "{label} about x");
         }
     }
 }

@@ -51,7 +51,7 @@ pub enum WriteProblem {
     #[error("no format to write by this name; end it in one of: {WRITABLE}")]
     UnknownExtension,
     /// The file exists and may not be replaced.
-    #[error("exists already; permit overwriting or choose another name")]
+    #[error("exists already; choose another name, or allow it to be overwritten")]
     Exists,
     /// The name is taken by a folder or a device.
     #[error("is a folder or a special file; choose another name")]

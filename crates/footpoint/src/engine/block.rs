@@ -1,7 +1,7 @@
 //! A block: nearby positions that share one list of candidate samples.
 
 use crate::algebra::{Vector, add};
-use crate::grid::Grid;
+use crate::grid::{Grid, LARGEST_COORDINATE};
 use crate::lane::Lane;
 use std::ops::Range;
 
@@ -35,6 +35,11 @@ impl<const D: usize> Position<f64, D> {
     /// The location as one vector, rounded.
     pub(crate) fn rounded(self) -> [f64; D] {
         add(self.anchor, self.offset)
+    }
+
+    /// Whether doubles tell locations here apart within a support. NaN is not representable.
+    pub(crate) fn is_representable(self) -> bool {
+        self.rounded().iter().chain(&self.offset).all(|c| c.abs() < LARGEST_COORDINATE)
     }
 }
 

@@ -4,6 +4,8 @@ mod block;
 #[cfg(test)]
 pub(crate) mod oracle;
 mod sums;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use block::{BLOCK, Candidates, Position};
 pub(crate) use sums::{Contraction, Frame, FrameSums, Needs, first_pass, second_pass};
