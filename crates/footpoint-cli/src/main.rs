@@ -1,5 +1,8 @@
 //! The `footpoint` command: arguments to job to report.
 
+// No panic on data and nothing on standard output by accident; tests may.
+#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
 mod args;
 mod print;
 mod progress;

@@ -53,9 +53,9 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             writeln!(out, "{} samples do not take part", surface.samples_absent)?;
         }
         if verbosity == Verbosity::Verbose {
-            writeln!(out, "definition {}", json(&report.recipe.definition))?;
-            writeln!(out, "sign {}, boundary limit {}", json(&surface.sign), surface.boundary_limit)?;
-            writeln!(out, "cell side {}", surface.cell_side)?;
+            let definition = serde_json::to_string(&report.recipe.definition).unwrap_or_default();
+            writeln!(out, "definition {definition}")?;
+            writeln!(out, "boundary limit {}, cell side {}", surface.boundary_limit, surface.cell_side)?;
         }
     }
     if !report.statuses.is_empty() {
@@ -126,11 +126,6 @@ fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {
         writeln!(out, "no surface: {problem}")?;
     }
     Ok(())
-}
-
-/// A part of the report as `--json` gives it.
-fn json(part: &impl serde::Serialize) -> String {
-    serde_json::to_string(part).unwrap_or_default()
 }
 
 /// A length with five significant digits.

@@ -73,8 +73,7 @@ fn close(found: f64, expected: f64, bound: f64, what: &str) {
 
 fn check<const D: usize>(name: &str) {
     let Some(path) = shared("golden") else { return };
-    let golden: Value =
-        serde_json::from_str(&std::fs::read_to_string(path.join(name)).unwrap()).unwrap();
+    let golden: Value = serde_json::from_str(&std::fs::read_to_string(path.join(name)).unwrap()).unwrap();
     let folder = Folder::new();
     write_cloud::<D>(&folder, "cloud.csv", &golden, "normals");
     write_cloud::<D>(&folder, "axes.csv", &golden, "axes");

@@ -3,6 +3,9 @@
 //! The command line, and every other front, calls these jobs and holds no geometry of its own. Each job checks its
 //! output before it computes, keeps every column and the order of its input, and leaves no partial file behind.
 
+// No panic on data and nothing on standard output by accident; tests may.
+#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
 mod clock;
 mod demo;
 mod evaluate;
@@ -109,13 +112,6 @@ pub enum JobError {
     /// The job was cancelled.
     #[error("cancelled; nothing was written")]
     Cancelled,
-}
-
-impl JobError {
-    /// Whether only an existing file stands against the job, which [`Overwrite::Replace`] would permit.
-    pub fn is_existing_output(&self) -> bool {
-        matches!(self, Self::Write(error) if matches!(error.problem, footpoint_io::WriteProblem::Exists))
-    }
 }
 
 impl JobError {

@@ -23,6 +23,9 @@
 //! [`Surface::evaluate`] gives f, ∇f and what belongs to them, [`Surface::project`] takes points to the surface.
 //! Every answer has a [`Status`]. [`Run`] says how to run: threads, progress, cancelling.
 
+// No panic on data and nothing on standard output by accident; tests may.
+#![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
 mod algebra;
 mod cloud;
 mod columns;

@@ -187,11 +187,10 @@ mod pool {
         }
         let named = |i| format!("footpoint-{i}");
         let pool = Arc::new(ThreadPoolBuilder::new().num_threads(threads).thread_name(named).build().ok()?);
-        if let Some(old) = kept.replace(Kept { process, threads, pool: Arc::clone(&pool) }) {
-            if old.process != process {
-                // Waiting for the parent's threads would never end.
-                std::mem::forget(old);
-            }
+        let old = kept.replace(Kept { process, threads, pool: Arc::clone(&pool) });
+        if let Some(old) = old.filter(|old| old.process != process) {
+            // Waiting for the parent's threads would never end.
+            std::mem::forget(old);
         }
         Some(pool)
     }

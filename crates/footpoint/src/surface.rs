@@ -10,7 +10,7 @@ use crate::support::{SupportError, SupportSummary, choose};
 /// The surface that a cloud defines: the zero set of f(x) = n(x)·(x − a(x)) (eqs. 2 and 3).
 ///
 /// Immutable, and shared freely between threads. Plain calls use all cores and cannot fail: every point gets a
-/// [`Status`]. [`Surface::with`] gives the same calls with threads, progress and cancelling. Results have the
+/// [`Status`](crate::Status). [`Surface::with`] gives the same calls with threads, progress and cancelling. Results have the
 /// same bits for any number of threads, any batch and any order of the samples.
 #[derive(Debug)]
 pub struct Surface<const D: usize> {
@@ -18,6 +18,7 @@ pub struct Surface<const D: usize> {
     pub(crate) definition: Definition,
     pub(crate) grid: Grid<D>,
     support: SupportSummary,
+    sign: Sign,
 }
 
 /// How the sign of f and of the normals is decided (SPEC § 3).
@@ -53,16 +54,21 @@ impl<const D: usize> Surface<D> {
         if u32::try_from(cloud.len()).is_err() {
             return Err(CloudError::TooMany(cloud.len()).into());
         }
-        if definition.field().needs_normals() && cloud.absent_normals() == cloud.len() && !cloud.is_empty() {
-            return Err(DefinitionError::NormalsAbsent(definition.field()).into());
+        let field = definition.field();
+        let has_normals = cloud.absent_normals() < cloud.len();
+        if field.needs_normals() && !has_normals && !cloud.is_empty() {
+            return Err(DefinitionError::NormalsAbsent(field).into());
         }
+        // The main axis of normals is for those whose signs mean nothing.
+        let signed = has_normals && field != NormalField::AveragedAxes;
+        let sign = if signed { Sign::Given } else { Sign::Arbitrary };
         let radii = choose(&cloud, definition.support(), definition.weight(), run)?;
         let support = radii.summary(&cloud)?;
         let grid = Grid::new(&cloud, &radii, support.largest, definition.weight().reach(), run);
         if grid.points.is_empty() {
             return Err(SupportError::NoSample(cloud.len()).into());
         }
-        Ok(Self { cloud, definition, grid, support })
+        Ok(Self { cloud, definition, grid, support, sign })
     }
 
     /// The same calls with threads, progress and cancelling.
@@ -87,12 +93,7 @@ impl<const D: usize> Surface<D> {
 
     /// Whether distances and normals have a sign that means something.
     pub fn sign(&self) -> Sign {
-        let usable = self.cloud.absent_normals() < self.cloud.len();
-        match self.definition.field() {
-            NormalField::AveragedAxes => Sign::Arbitrary,
-            _ if usable => Sign::Given,
-            _ => Sign::Arbitrary,
-        }
+        self.sign
     }
 
     /// Samples that take part: those with finite coordinates, and a positive support and factor.

@@ -1,4 +1,5 @@
 //! Dependencies point one way: between the crates, and between the library's rooms.
+#![allow(clippy::unwrap_used)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
 //! On surfaces without noise positions and normals converge with the square of h, with the constant that theory gives.
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 mod common;
 
@@ -91,7 +92,7 @@ fn check<const D: usize>(
             found.map(|e| format!("{:.1e}", e[2]))
         );
         assert!(positions.iter().all(|&o| o >= 1.8), "{weight:?}: positions of order {positions:?}");
-        assert!((ratios[2] - 1.0).abs() < 0.15, "{weight:?}: bias is {} times the theory's", ratios[2]);
+        assert!((ratios[2] - 1.0).abs() < 0.05, "{weight:?}: bias is {} times the theory's", ratios[2]);
         if normals_vary {
             assert!(normals.iter().all(|&o| o >= 1.8), "{weight:?}: normals of order {normals:?}");
         } else {

@@ -1,4 +1,5 @@
 //! A wrong definition or cloud is refused with the offending value in the message; nothing else is.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Projected points are what their operator promises: foot points, points along n, points of the surface.
+#![allow(clippy::print_stdout)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Every golden number is reached within the bounds that its README promises.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! The gradient is that of f: it agrees with dual numbers through an independent brute force and with differences.
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 mod common;
 

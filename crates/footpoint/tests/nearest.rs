@@ -1,4 +1,5 @@
 //! Near the surface the orthogonal projection is the nearest: no other operator's point is nearer to the start.
+#![allow(clippy::print_stdout)]
 
 mod common;
 

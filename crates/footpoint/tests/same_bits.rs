@@ -1,4 +1,5 @@
 //! Answers have the same bits for any number of threads, any batch, and any order or cut-out of the samples.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! The squared sensitivity is the sum of |∂f/∂p_i|² that moving each sample measures, and those derivatives sum to −∇f.
+#![allow(clippy::print_stdout)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! A surface is shared freely between threads, and what defines it can be written down and read again.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Every status is reached on purpose, and says which quantities exist.
+#![allow(clippy::print_stdout)]
 
 mod common;
 

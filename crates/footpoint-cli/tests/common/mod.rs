@@ -96,7 +96,7 @@ impl Folder {
 
     /// Runs it with `--json`, expects success with nothing on standard error, and gives the report.
     pub(crate) fn report(&self, words: &str) -> Value {
-        let ran = self.run(&format!("{words} --json"));
+        let ran = self.run(&format!("{words} --json --quiet"));
         assert_eq!((ran.code, ran.stderr.as_str()), (0, ""), "{words}");
         serde_json::from_str(&ran.stdout).unwrap_or_else(|e| panic!("{words}: {e} in {}", ran.stdout))
     }

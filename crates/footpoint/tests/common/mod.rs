@@ -1,6 +1,7 @@
 //! What several tests need: the shared golden numbers and data, where they stand beside the project; clouds with
 //! every column; comparison by bits.
 #![allow(dead_code)]
+#![allow(clippy::unwrap_used)]
 
 use footpoint::samples::{Random, Samples};
 use footpoint::{
