@@ -5,8 +5,8 @@ use crate::algebra::direction;
 /// Samples p_i, with optional unit normals n_i, support radii h_i and factors ω_i (SPEC § 1).
 ///
 /// Columns are kept in the order given. Normals are rescaled to unit length on entry; a normal that is zero or not
-/// finite counts as absent for its sample. A sample with a coordinate, support or factor that is not finite, or
-/// with a support or factor of zero, counts as absent altogether.
+/// finite counts as absent for its sample. A sample with a coordinate or factor that is not finite, or a factor of
+/// zero, counts as absent altogether; so does one whose support is zero or not finite, where supports are used.
 #[derive(Clone, Debug, Default)]
 pub struct Cloud<const D: usize> {
     points: Vec<[f64; D]>,

@@ -201,8 +201,17 @@ pub enum Error {
     Definition(#[from] DefinitionError),
     /// No support can be had.
     #[error(transparent)]
-    Support(#[from] SupportError),
+    Support(SupportError),
     /// The computation was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<SupportError> for Error {
+    fn from(error: SupportError) -> Self {
+        match error {
+            SupportError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Support(other),
+        }
+    }
 }

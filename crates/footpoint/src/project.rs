@@ -97,7 +97,8 @@ pub struct Projections<const D: usize> {
     pub frame_normal: Vec<[f64; D]>,
     /// |x − y|; negative behind the surface if the surface's sign is given.
     pub distance: Vec<f64>,
-    /// The larger of |f| and the last step, a length: what the tolerance is compared with. NaN if never evaluated.
+    /// The larger of |f| and the last step, a length: what the tolerance is compared with;
+    /// that of the last iterate at which f exists. NaN if there is none.
     pub residual: Vec<f64>,
     /// Evaluations of f spent.
     pub evaluations: Vec<u32>,
@@ -177,7 +178,7 @@ impl<const D: usize> Running<'_, D> {
                 let verdict = moving.verdict(surface);
                 status.put(row, verdict);
                 evaluations.put(row, moving.evaluations);
-                residual.put(row, [moving.residual() * surface.grid.unit]);
+                residual.put(row, [moving.residual * surface.grid.unit]);
                 if verdict.is_ok() {
                     moved.put(row, scale(moving.position.rounded(), surface.grid.unit));
                     surface_normal.put(row, moving.local.surface_normal().unwrap_or([f64::NAN; D]));
@@ -214,6 +215,8 @@ struct Moving<const D: usize> {
     local: Local<D>,
     /// Length of the step that led to `position`.
     step: f64,
+    /// The larger of |f| and the step, at the last position where f exists.
+    residual: f64,
     evaluations: u32,
     /// Attempts before this one, and evaluations before it.
     failed: i32,
@@ -229,13 +232,13 @@ impl<const D: usize> Moving<D> {
         let local = Local::NOWHERE;
         let mark = (f64::INFINITY, 0);
         let step = f64::INFINITY;
-        Self { position, local, step, evaluations: 0, failed: 0, before: 0, mark, status: Status::Ok }
+        let status = Status::Ok;
+        Self { position, local, step, residual: f64::NAN, evaluations: 0, failed: 0, before: 0, mark, status }
     }
 
-    /// The larger of |f| and the last step at the last evaluation.
-    fn residual(&self) -> f64 {
-        let value = self.local.value.abs();
-        if self.step.is_finite() && self.step > value { self.step } else { value }
+    /// Whether the last step and |f| are within the tolerance at `position`.
+    fn has_arrived(&self, how: &Project) -> bool {
+        self.step.is_finite() && self.residual <= how.tolerance * self.local.support
     }
 
     fn verdict(&self, surface: &Surface<D>) -> Status {
@@ -281,12 +284,13 @@ impl<const D: usize> Moving<D> {
         if !local.status.is_ok() {
             return self.fail(local.status, how, attempts);
         }
-        let arrived = self.step.is_finite() && self.residual() <= how.tolerance * local.support;
-        if arrived {
+        let value = local.value.abs();
+        self.residual = if self.step.is_finite() { self.step.max(value) } else { value };
+        if self.has_arrived(how) {
             return false;
         }
-        if self.residual() < 0.5 * self.mark.0 {
-            self.mark = (self.residual(), self.evaluations);
+        if self.residual < 0.5 * self.mark.0 {
+            self.mark = (self.residual, self.evaluations);
         }
         let stuck = attempts > 1 && self.evaluations - self.mark.1 >= PATIENCE;
         if stuck || self.evaluations >= how.most_evaluations {

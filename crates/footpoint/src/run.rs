@@ -61,7 +61,8 @@ impl<'r> Run<'r> {
         Self { progress: None, ..self }
     }
 
-    fn cancelled(&self) -> Result<(), Cancelled> {
+    /// Fails once the run has been cancelled.
+    pub(crate) fn check(&self) -> Result<(), Cancelled> {
         match self.cancel {
             Some(flag) if flag.load(Ordering::Relaxed) => Err(Cancelled),
             _ => Ok(()),
@@ -78,7 +79,7 @@ impl<'r> Run<'r> {
         let total = blocks.last().map_or(0, |block| block.end);
         let done = AtomicUsize::new(0);
         let several = |state: &mut S, blocks: &[Range<usize>]| {
-            self.cancelled()?;
+            self.check()?;
             let mut points = 0;
             for block in blocks {
                 work(state, block.clone());
@@ -112,7 +113,7 @@ impl<'r> Run<'r> {
     ) -> Result<Vec<T>, Cancelled> {
         let checked = |i: usize| {
             if i.is_multiple_of(1024) {
-                self.cancelled()?;
+                self.check()?;
             }
             Ok(work(i))
         };

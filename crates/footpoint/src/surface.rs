@@ -64,6 +64,7 @@ impl<const D: usize> Surface<D> {
         let sign = if signed { Sign::Given } else { Sign::Arbitrary };
         let radii = choose(&cloud, definition.support(), definition.weight(), run)?;
         let support = radii.summary(&cloud)?;
+        run.check()?;
         let grid = Grid::new(&cloud, &radii, support.largest, definition.weight().reach(), run);
         if grid.points.is_empty() {
             return Err(SupportError::NoSample(cloud.len()).into());
