@@ -3,7 +3,7 @@
 use crate::clock::{Times, timed};
 use crate::report::{InputReport, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError};
-use footpoint::{Cloud, Definition, Error, Support, SupportError, Surface};
+use footpoint::{Cloud, Definition, DefinitionError, Error, Support, Surface};
 use footpoint_io::roles::Roles;
 use footpoint_io::{Format, Input};
 use std::path::Path;
@@ -79,9 +79,10 @@ impl Loaded {
     /// The cloud with the columns that the recipe asks for.
     pub(crate) fn cloud<const D: usize>(&self, recipe: &Recipe) -> Result<Cloud<D>, JobError> {
         let table = &self.input.table;
+        let misfit = |problem| JobError::Cloud { path: self.path.clone(), problem };
         let mut cloud = Cloud::new(self.points::<D>());
         if let Some(normals) = self.roles.normals(table) {
-            cloud = cloud.with_normals(normals)?;
+            cloud = cloud.with_normals(normals).map_err(misfit)?;
         }
         let column = |name: &str| {
             table.column(name).and_then(|c| c.data.to_f64()).ok_or_else(|| JobError::Column {
@@ -91,10 +92,10 @@ impl Loaded {
             })
         };
         if let Some(name) = &recipe.support_column {
-            cloud = cloud.with_supports(column(name)?)?;
+            cloud = cloud.with_supports(column(name)?).map_err(misfit)?;
         }
         if let Some(name) = &recipe.factor_column {
-            cloud = cloud.with_factors(column(name)?)?;
+            cloud = cloud.with_factors(column(name)?).map_err(misfit)?;
         }
         Ok(cloud)
     }
@@ -126,7 +127,8 @@ pub(crate) fn surface_of_cloud<const D: usize>(
     let run = context.run.silent();
     let built = timed(&mut times.index, || Surface::build(cloud, context.definition(), &run));
     built.map_err(|problem| match problem {
-        Error::Cancelled(_) | Error::Support(SupportError::Cancelled(_)) => JobError::Cancelled,
+        Error::Cancelled(_) => JobError::Cancelled,
+        Error::Definition(DefinitionError::NormalsAbsent(_)) => JobError::NormalsAbsent(path.to_owned()),
         problem => JobError::Surface { path: path.to_owned(), problem },
     })
 }

@@ -33,7 +33,8 @@ pub fn normals(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("normals", context.recipe.clone());
-    let loaded = Loaded::read(input, &mut report.times)?;
+    let mut loaded = Loaded::read(input, &mut report.times)?;
+    Naming::of(output).retype_status(&mut loaded.input.table);
     check_table(output, &loaded.input.table)?;
     report.inputs.push(loaded.report());
     match loaded.roles.dimension() {

@@ -48,6 +48,14 @@ impl Naming {
         Column::new("status", data)
     }
 
+    /// Replaces the statuses of an earlier job by ones of the right type, which this job will overwrite: as words
+    /// they could not stand in PLY.
+    pub(crate) fn retype_status(self, table: &mut Table) {
+        if table.column("status").is_some() {
+            table.set(self.status(&vec![Status::Ok; table.rows()]));
+        }
+    }
+
     /// Keeps the input's own normals apart where surface normals take their name: `given_nx`, ….
     pub(crate) fn keep_given_normals(self, table: &mut Table, roles: &Roles) {
         let taken = |name: &str| (0..3).any(|axis| name.eq_ignore_ascii_case(&self.surface_normal(axis)));

@@ -22,7 +22,8 @@ pub fn project(
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("project", context.recipe.clone());
     report.recipe.project.get_or_insert_default();
-    let points = Loaded::read(input, &mut report.times)?;
+    let mut points = Loaded::read(input, &mut report.times)?;
+    Naming::of(output).retype_status(&mut points.input.table);
     check_table(output, &points.input.table)?;
     report.inputs.push(points.report());
     let onto = onto.map(|path| Loaded::read(path, &mut report.times)).transpose()?;

@@ -6,7 +6,7 @@ use common::{Columns, FIELDS, OPERATORS, Variant, WEIGHTS, length, near_samples,
 use footpoint::samples;
 use footpoint::{
     Acceptance, Cancelled, Cloud, Definition, Error, Evaluations, NormalField, Operator, Project, Run,
-    Status, Support, SupportError, Surface, Want, Weight,
+    Status, Support, Surface, Want, Weight,
 };
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
