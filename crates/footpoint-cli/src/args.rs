@@ -188,7 +188,7 @@ pub(crate) struct ProjectArguments {
     #[arg(long, value_enum)]
     operator: Option<OperatorName>,
     /// Last step and |f| allowed, in local supports [default: 1e-6]
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = positive)]
     tolerance: Option<f64>,
     #[command(flatten)]
     common: Common,
@@ -386,6 +386,14 @@ impl Common {
         acceptance.boundary = self.accept_boundary.or(acceptance.boundary);
         recipe.definition = definition.with_acceptance(acceptance);
         Ok(recipe)
+    }
+}
+
+/// A number above zero.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 => Ok(value),
+        _ => Err("it must be a number above 0".to_owned()),
     }
 }
 

@@ -87,17 +87,18 @@ pub(crate) fn moved<const D: usize>(result: &Projections<D>) -> MovedReport {
         .filter(|(_, status)| **status == Status::Ok)
         .map(|(distance, _)| distance.abs())
         .collect();
+    let evaluations: f64 = result.evaluations.iter().map(|&e| f64::from(e)).sum();
+    let mean_evaluations = evaluations / result.evaluations.len().max(1) as f64;
     if distances.is_empty() {
-        return MovedReport::default();
+        return MovedReport { mean_evaluations, ..MovedReport::default() };
     }
     let squares: f64 = distances.iter().map(|d| d * d).sum();
     let count = distances.len() as f64;
     distances.sort_unstable_by(f64::total_cmp);
-    let evaluations: f64 = result.evaluations.iter().map(|&e| f64::from(e)).sum();
     MovedReport {
         rms: (squares / count).sqrt(),
         median: distances[distances.len() / 2],
         largest: distances[distances.len() - 1],
-        mean_evaluations: evaluations / result.evaluations.len() as f64,
+        mean_evaluations,
     }
 }

@@ -1,0 +1,264 @@
+//! Every option that says what to compute matters, and does what its help says.
+
+mod common;
+
+use common::{Folder, csv_of, sphere_csv};
+use footpoint::samples::{Random, sphere};
+use serde_json::Value;
+
+/// A sphere with every column that an option can name, and points around it.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let samples = sphere(1.0, 1500, 3).with_noise(0.01, 4);
+    let mut random = Random::new(8);
+    let rows = samples.points.iter().zip(&samples.normals).map(|(p, n)| {
+        let reach = 0.3 + 0.1 * random.uniform();
+        [&p[..], n, &[reach, 0.5 + random.uniform(), 2.0]].concat()
+    });
+    folder.write("cloud.csv", csv_of("x,y,z,nx,ny,nz,reach,area,two", rows));
+    let mut random = Random::new(6);
+    let around = |p: &[f64; 3]| p.map(|c| (1.0 + 0.15 * random.normal()) * c).to_vec();
+    folder.write("queries.csv", csv_of("x,y,z", samples.points.iter().step_by(5).map(around)));
+    folder
+}
+
+const WITH: &str = "--with weight_sum,support";
+
+/// What `evaluate` writes with these options, and its report.
+fn evaluate(folder: &Folder, options: &str) -> (Vec<u8>, Value) {
+    let words = format!("evaluate cloud.csv --at queries.csv -o out.csv --force {WITH} {options}");
+    let report = folder.report(&words);
+    (folder.bytes("out.csv"), report)
+}
+
+fn project(folder: &Folder, options: &str) -> (Vec<u8>, Value) {
+    let report = folder.report(&format!("project queries.csv --onto cloud.csv -o out.csv --force {options}"));
+    (folder.bytes("out.csv"), report)
+}
+
+fn points_with(report: &Value, status: &str) -> u64 {
+    let counts = report["statuses"].as_array().unwrap();
+    counts.iter().filter(|c| c["status"] == status).map(|c| c["points"].as_u64().unwrap()).sum()
+}
+
+fn median_support(report: &Value) -> f64 {
+    report["surface"]["support"]["median"].as_f64().unwrap()
+}
+
+#[track_caller]
+fn all_differ(outputs: &[Vec<u8>]) {
+    for (i, output) in outputs.iter().enumerate() {
+        assert!(!outputs[..i].contains(output), "output {i} equals an earlier one");
+    }
+}
+
+#[test]
+fn support_rules() {
+    let folder = folder();
+    let (default, report) = evaluate(&folder, "");
+    assert_eq!(evaluate(&folder, "--auto 16").0, default);
+    let automatic = median_support(&report);
+    // n_eff grows as h²: from 16 to 36, by 1.5.
+    let wider = median_support(&evaluate(&folder, "--auto 36").1) / automatic;
+    assert!((wider - 1.5).abs() < 0.1, "{wider}");
+
+    let (radius, report) = evaluate(&folder, "--radius 0.35");
+    assert_eq!(report["surface"]["support"]["uniform"], true);
+    assert_eq!(median_support(&report), 0.35);
+    let off = |h: &f64| (h / 0.35 - 1.0).abs();
+    assert!(folder.csv("out.csv").numbers("support").iter().all(|h| h.is_nan() || off(h) < 1e-15));
+
+    let (per_sample, report) = evaluate(&folder, "--per-sample 16");
+    let support = &report["surface"]["support"];
+    assert_eq!(support["uniform"], false);
+    assert!(support["smallest"].as_f64() < support["largest"].as_f64());
+    assert!((median_support(&report) / automatic - 1.0).abs() < 0.05);
+
+    let (column, report) = evaluate(&folder, "--support-column reach");
+    let reach = folder.csv("cloud.csv").numbers("reach");
+    let largest = reach.iter().copied().fold(0.0, f64::max);
+    assert_eq!(report["surface"]["support"]["largest"], largest);
+    all_differ(&[default, radius, per_sample, column]);
+}
+
+#[test]
+fn factors_multiply_the_weights() {
+    let folder = folder();
+    let plain = evaluate(&folder, "").0;
+    let before = folder.csv("out.csv");
+    let area = evaluate(&folder, "--factor-column area").0;
+    let two = evaluate(&folder, "--factor-column two").0;
+    let after = folder.csv("out.csv");
+    all_differ(&[plain, area, two]);
+    let doubled: Vec<u64> = before.numbers("weight_sum").iter().map(|s| (2.0 * s).to_bits()).collect();
+    assert_eq!(common::bits(&after.numbers("weight_sum")), doubled);
+    assert_eq!(before.words("value"), after.words("value"), "one factor for all changes no f");
+}
+
+#[test]
+fn weights_fields_and_cut() {
+    let folder = folder();
+    let with = |name: &str, values: &[&str], rest: &str| -> Vec<Vec<u8>> {
+        values.iter().map(|value| evaluate(&folder, &format!("--{name} {value} {rest}")).0).collect()
+    };
+    let weights = with("weight", &["poly2", "poly3", "poly4", "wendland", "gaussian"], "--radius 0.3");
+    all_differ(&weights);
+    assert_eq!(weights[1], evaluate(&folder, "--radius 0.3").0, "poly3 is the default");
+    let fields = with("field", &["centred", "covariance", "averaged", "axes"], "");
+    all_differ(&fields);
+    assert_eq!(fields[0], evaluate(&folder, "").0, "centred is the default");
+
+    let cuts = with("cut", &["1e-9", "1e-3"], "--weight gaussian --radius 0.15");
+    all_differ(&cuts);
+    assert_eq!(cuts[0], evaluate(&folder, "--weight gaussian --radius 0.15").0, "1e-9 is the default");
+    // The Gaussian reaches √ln(1/cut) of its scale: three times as many neighbours for 1e-9 as for 1e-3.
+    let neighbours = |cut: &str| {
+        evaluate(&folder, &format!("--weight gaussian --radius 0.15 --cut {cut}"));
+        folder.csv("out.csv").numbers("neighbours").iter().sum::<f64>()
+    };
+    let ratio = neighbours("1e-9") / neighbours("1e-3");
+    assert!((2.5..3.5).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn domain_and_acceptance() {
+    let folder = folder();
+    let (wide, all) = project(&folder, "");
+    let (narrow, few) = project(&folder, "--domain-ratio 0.3");
+    all_differ(&[wide, narrow]);
+    assert!(points_with(&few, "outside") > points_with(&all, "outside") + 10, "{few}");
+    assert_eq!(few["definition"]["domain_ratio"], 0.3);
+    for (option, status) in [
+        ("--accept-alignment 1.05", "singular"),
+        ("--accept-gap 0.95", "degenerate"),
+        ("--accept-boundary 0.02", "boundary"),
+    ] {
+        let strict = project(&folder, option).1;
+        assert!(points_with(&strict, status) > points_with(&all, status) + 10, "{option}: {strict}");
+        assert!(points_with(&strict, "ok") < points_with(&all, "ok"), "{option}");
+    }
+}
+
+#[test]
+fn operators_and_tolerance() {
+    let folder = folder();
+    let outputs: Vec<Vec<u8>> = ["basic", "almost", "orthogonal"]
+        .map(|operator| project(&folder, &format!("--operator {operator} --tolerance 1e-12")).0)
+        .into();
+    all_differ(&outputs);
+    let feet = folder.csv("out.csv");
+    let (from, to) = (folder.csv("queries.csv").points::<3>(), feet.points::<3>());
+    let (normal, distance) = (feet.vectors::<3>("surface_normal"), feet.numbers("distance"));
+    let mut judged = 0;
+    for i in (0..to.len()).filter(|&i| distance[i].abs() > 1e-3) {
+        // Along the normal of the surface at the foot point, by the signed distance.
+        let way: [f64; 3] = std::array::from_fn(|k| from[i][k] - to[i][k]);
+        assert!(common::gap(way, distance[i], normal[i]) < 1e-9, "{i}");
+        judged += 1;
+    }
+    assert!(judged > 200, "{judged}");
+    assert_eq!(
+        project(&folder, "").0,
+        project(&folder, "--operator orthogonal --tolerance 1e-6").0,
+        "the defaults"
+    );
+
+    let work = |tolerance: &str| {
+        let (_, report) = project(&folder, &format!("--tolerance {tolerance}"));
+        let h = median_support(&report);
+        let feet = folder.csv("out.csv");
+        let (status, residual) = (feet.words("status"), feet.numbers("residual"));
+        let bound = tolerance.parse::<f64>().unwrap() * h;
+        assert!((0..feet.len()).all(|i| status[i] != "ok" || residual[i] <= bound), "{tolerance}");
+        report["moved"]["mean_evaluations"].as_f64().unwrap()
+    };
+    let (coarse, fine) = (work("1e-2"), work("1e-12"));
+    assert!(coarse + 1.0 < fine, "{coarse} and {fine} evaluations");
+}
+
+#[test]
+fn onto_names_another_cloud() {
+    let folder = folder();
+    let own = folder.report("project queries.csv -o own.csv");
+    let (other, report) = project(&folder, "");
+    assert_ne!(folder.bytes("own.csv"), other);
+    assert_eq!(own["inputs"].as_array().unwrap().len(), 1);
+    assert_eq!(report["inputs"][1]["path"], "cloud.csv");
+    assert_eq!(folder.csv("out.csv").len(), folder.csv("queries.csv").len());
+}
+
+#[test]
+fn normal_chooses_the_columns() {
+    let folder = folder();
+    let columns = |choice: &str| {
+        folder.done(&format!("normals cloud.csv -o out.csv --force --normal {choice}"));
+        let names = folder.csv("out.csv").names;
+        ["surface_normal_x", "frame_normal_x"].map(|name| names.contains(&name.to_owned()))
+    };
+    assert_eq!(columns("surface"), [true, false]);
+    assert_eq!(columns("frame"), [false, true]);
+    assert_eq!(columns("both"), [true, true]);
+}
+
+#[test]
+fn with_adds_exactly_what_it_names() {
+    let folder = folder();
+    let names = |with: &str| {
+        folder.done(&format!("evaluate cloud.csv --at queries.csv -o out.csv --force {with}"));
+        folder.csv("out.csv").names
+    };
+    let usual = names("");
+    for (extra, columns) in [
+        ("weight_sum", vec!["weight_sum"]),
+        ("eigenvalues", vec!["eigenvalue_0", "eigenvalue_1", "eigenvalue_2"]),
+        ("squared_sensitivity", vec!["squared_sensitivity"]),
+        ("support", vec!["support"]),
+    ] {
+        let more = names(&format!("--with {extra}"));
+        let added: Vec<&str> = more.iter().filter(|n| !usual.contains(n)).map(String::as_str).collect();
+        assert_eq!(added, columns);
+        assert_eq!(more.len(), usual.len() + columns.len());
+    }
+}
+
+#[test]
+fn threads_change_no_byte() {
+    let folder = folder();
+    for verb in ["normals cloud.csv --normal both", "project queries.csv --onto cloud.csv"] {
+        let outputs: Vec<Vec<u8>> = ["1", "2", "7", "0"]
+            .map(|threads| {
+                folder.done(&format!("{verb} -o out.ply --force --threads {threads}"));
+                folder.bytes("out.ply")
+            })
+            .into();
+        assert!(outputs.iter().all(|output| *output == outputs[0]), "{verb}");
+    }
+    // A pool of one worker computes no faster on the clock than on its core.
+    folder.write("large.csv", sphere_csv(30_000));
+    let times = folder.report("normals large.csv -o out.csv --force --threads 1");
+    let spent = &times["times"]["compute"];
+    if let Some(cpu) = spent["cpu_seconds"].as_f64() {
+        assert!(cpu < 1.2 * spent["wall_seconds"].as_f64().unwrap() + 0.02, "{spent}");
+    }
+}
+
+#[test]
+fn the_demo_takes_its_plan() {
+    let folder = Folder::new();
+    let demo = |options: &str| {
+        let report = folder.report(&format!("demo -o out --force {options}"));
+        (folder.bytes("out/scan.ply"), report)
+    };
+    let (plain, report) = demo("--rays 900");
+    let points = report["points"].as_u64().unwrap();
+    assert!(demo("--rays 1600").1["points"].as_u64().unwrap() > points);
+    let (quiet, still) = demo("--rays 900 --noise 0");
+    assert!(still["demo"]["rms_before_metres"].as_f64().unwrap() < 1e-12, "{still}");
+    assert_eq!(still["demo"]["noise_metres"], 0.0);
+    let (seeded, other) = demo("--rays 900 --seed 2");
+    all_differ(&[plain, quiet, seeded]);
+    assert_eq!(folder.table("out/scan.ply").rows() as u64, other["points"]);
+    let (_, uniform) = demo("--rays 900 --radius 0.05");
+    assert_eq!(uniform["surface"]["support"]["uniform"], true);
+    assert_eq!(report["surface"]["support"]["uniform"], false, "its own support unless told otherwise");
+}
