@@ -75,11 +75,15 @@ fn explain(error: &JobError) -> String {
 /// Prints what is to be printed and judges the statuses.
 fn finish(verb: &Verb, report: &Report) -> Result<ExitCode, String> {
     let common = verb.common();
-    let words = print::report(report, common.verbosity());
-    let (results, mut messages) = match verb {
-        _ if common.json => (serde_json::to_string_pretty(report).map_err(|e| e.to_string())? + "\n", words),
-        Verb::Demo(_) | Verb::Info(_) => (words, String::new()),
-        _ => (String::new(), words),
+    let words = |verbosity| print::report(report, verbosity);
+    let (results, mut messages) = if common.json {
+        let json = serde_json::to_string_pretty(report).map_err(|error| error.to_string())?;
+        (json + "\n", words(common.verbosity()))
+    } else if matches!(verb, Verb::Demo(_) | Verb::Info(_)) {
+        // What these find is their result, which even -q wants.
+        (words(common.verbosity().or_normal()), String::new())
+    } else {
+        (String::new(), words(common.verbosity()))
     };
     let allowed = common.strict.unwrap_or(f64::INFINITY) * report.points as f64;
     let strict = report.not_ok() as f64 > allowed;

@@ -1,6 +1,6 @@
 //! Reports in words.
 
-use footpoint_jobs::{InfoReport, Report};
+use footpoint_jobs::{InfoReport, Report, Status};
 use std::fmt::Write;
 
 /// How much to say.
@@ -10,6 +10,20 @@ pub(crate) enum Verbosity {
     Normal,
     Verbose,
 }
+
+impl Verbosity {
+    /// At least the normal amount.
+    pub(crate) fn or_normal(self) -> Self {
+        if self == Self::Quiet { Self::Normal } else { self }
+    }
+}
+
+/// A larger share of undetermined frames than this is worth a hint.
+const MANY: f64 = 0.05;
+/// A median gap below this is too.
+const POOR_GAP: f64 = 0.2;
+const HINT: &str = "hint: many frames are poorly determined: a wider support averages more noise (--auto 40), \
+    one per sample suits uneven density (--per-sample 16)";
 
 /// The report for a reader.
 pub(crate) fn report(report: &Report, verbosity: Verbosity) -> String {
@@ -62,6 +76,10 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         let counts: Vec<String> =
             report.statuses.iter().map(|c| format!("{} {}", c.points, c.status)).collect();
         writeln!(out, "{}: {}", report.job, counts.join(", "))?;
+        let degenerate = report.statuses.iter().find(|c| c.status == Status::Degenerate.name());
+        if degenerate.is_some_and(|c| c.points as f64 > MANY * report.points as f64) {
+            writeln!(out, "  {HINT}")?;
+        }
     }
     if let Some(moved) = &report.moved {
         let (rms, median, largest) = (short(moved.rms), short(moved.median), short(moved.largest));
@@ -96,6 +114,13 @@ fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {
     writeln!(out, "columns: {}", info.columns.join(" "))?;
     let corner = |c: &[f64]| c.iter().map(|v| format!("{v}")).collect::<Vec<_>>().join(" ");
     writeln!(out, "bounds: {} to {}", corner(&info.low), corner(&info.high))?;
+    let flat = info.low.iter().zip(&info.high).any(|(low, high)| low == high);
+    if flat && info.low.len() == 3 {
+        writeln!(
+            out,
+            "  the points lie in a plane across an axis: two columns would make them a curve in the plane"
+        )?;
+    }
     writeln!(out, "unit: {}", info.unit.as_deref().unwrap_or("not stated in the file"))?;
     writeln!(out, "exact repeats: {}", info.repeats)?;
     if let Some(spacing) = info.spacing {
@@ -118,6 +143,9 @@ fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {
     }
     if let Some(gap) = info.median_gap {
         writeln!(out, "  gap of the frames {gap:.3} (median; 1 is best, 0 no surface)")?;
+        if gap < POOR_GAP {
+            writeln!(out, "  {HINT}")?;
+        }
     }
     if let Some(resolution) = info.resolution.filter(|r| *r > 1e-9) {
         writeln!(out, "  coordinates resolve {} of a support", short(resolution))?;

@@ -4,12 +4,19 @@ use serde::Serialize;
 use std::time::Instant;
 
 /// Time that a stage took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spent {
     /// Seconds on the clock.
     pub wall_seconds: f64,
     /// Seconds of all cores, user and system; absent where the system does not tell.
     pub cpu_seconds: Option<f64>,
+}
+
+impl Default for Spent {
+    /// No time yet.
+    fn default() -> Self {
+        Self { wall_seconds: 0.0, cpu_seconds: cpu_seconds().map(|_| 0.0) }
+    }
 }
 
 /// Times of a job's stages.
@@ -28,7 +35,7 @@ pub struct Times {
 impl std::ops::AddAssign for Spent {
     fn add_assign(&mut self, other: Self) {
         self.wall_seconds += other.wall_seconds;
-        self.cpu_seconds = self.cpu_seconds.zip(other.cpu_seconds).map(|(a, b)| a + b).or(other.cpu_seconds);
+        self.cpu_seconds = self.cpu_seconds.zip(other.cpu_seconds).map(|(a, b)| a + b);
     }
 }
 

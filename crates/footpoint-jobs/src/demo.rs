@@ -4,7 +4,7 @@ use crate::clock::timed;
 use crate::info::median;
 use crate::load::surface_of_cloud;
 use crate::output::{Naming, set_numbers, set_vectors};
-use crate::project::{moved, set_projections};
+use crate::project::{moved, projection_columns};
 use crate::report::{Report, SurfaceReport};
 use crate::scan::{ScanPlan, Vessel, scan};
 use crate::{Context, JobError};
@@ -60,7 +60,8 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
     let vessel = Vessel::new();
     let scan = timed(&mut report.times.read, || scan(&vessel, &plan.scan));
     let mut table = Table::default();
-    set_vectors(&mut table, |axis| ["x", "y", "z"][axis].to_owned(), &scan.points);
+    let coordinate = |axis: usize| ["x", "y", "z"][axis].to_owned();
+    set_vectors(&mut table, coordinate, &scan.points);
     table.set(Column::new("station", Data::U8(scan.station)));
     let cloud = Cloud::new(scan.points);
     let surface = surface_of_cloud(cloud, "the simulated scan", context, &mut report.times)?;
@@ -101,7 +102,9 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
         set_vectors(&mut normals, |axis| Naming::Ply.frame_normal(axis), &evaluated.frame_normal);
         normals.set(Naming::Ply.status(&evaluated.status));
         put(&files[1], &normals)?;
-        set_projections(&mut table, &[0, 1, 2], Naming::Ply, projected);
+        for column in projection_columns(coordinate, Naming::Ply, projected).columns {
+            table.set(column);
+        }
         set_numbers(&mut table, "error_before", error.before);
         set_numbers(&mut table, "error_after", error.after);
         put(&files[2], &table)

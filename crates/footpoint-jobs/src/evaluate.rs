@@ -48,9 +48,10 @@ pub fn evaluate(
     let mut report = Report::new("evaluate", context.recipe.clone());
     let loaded = Loaded::read(cloud, &mut report.times)?;
     report.inputs.push(loaded.report());
-    let at = Loaded::read(queries, &mut report.times)?;
-    check_table(output, &at.input.table)?;
+    let mut at = Loaded::read(queries, &mut report.times)?;
     report.inputs.push(at.report());
+    at.drop_own_status();
+    check_table(output, &at.input.table)?;
     loaded.check_dimension(&at)?;
     match loaded.roles.dimension() {
         2 => run::<2>(&loaded, at, output, extra, context, report),
@@ -84,7 +85,6 @@ fn run<const D: usize>(
 /// Coordinates, answers, then what else the queries carried under names not taken.
 fn arrange<const D: usize>(at: Loaded, result: Evaluations<D>, extra: &[Extra], naming: Naming) -> Table {
     let mut queries = at.input.table;
-    naming.keep_given_normals(&mut queries, &at.roles);
     let mut table = Table { columns: Vec::new(), comments: std::mem::take(&mut queries.comments) };
     for &i in &at.roles.coordinates {
         table.set(queries.columns[i].clone());
@@ -114,7 +114,8 @@ fn arrange<const D: usize>(at: Loaded, result: Evaluations<D>, extra: &[Extra], 
         if at.roles.coordinates.contains(&i) {
             continue;
         }
-        let name = if table.column(&name).is_some() { format!("query_{name}") } else { name };
+        let taken = table.columns.iter().any(|column| column.name.eq_ignore_ascii_case(&name));
+        let name = if taken { format!("given_{name}") } else { name };
         table.set(Column { name, data });
     }
     table

@@ -1,6 +1,7 @@
 //! From a file to a cloud: which columns hold what.
 
 use crate::clock::{Times, timed};
+use crate::output::drop_own_status;
 use crate::report::{InputReport, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError};
 use footpoint::{Cloud, Definition, DefinitionError, Error, Support, Surface};
@@ -39,6 +40,15 @@ impl Loaded {
             second: other.path.clone(),
             second_dimension: other.roles.dimension(),
         })
+    }
+
+    /// Drops the statuses that an earlier job wrote as words.
+    pub(crate) fn drop_own_status(&mut self) {
+        drop_own_status(&mut self.input.table);
+        // Columns may have moved up. A table that had coordinates has them still.
+        if let Ok(roles) = Roles::find(&self.input.table) {
+            self.roles = roles;
+        }
     }
 
     /// What the report says of the file.

@@ -2,11 +2,11 @@
 
 use crate::clock::timed;
 use crate::load::Loaded;
-use crate::output::{Naming, set_vectors};
+use crate::output::{Naming, merge, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Queries, Want};
-use footpoint_io::{WriteOptions, check_table, check_writable, write};
+use footpoint_io::{Table, WriteOptions, check_table, check_writable, write};
 use std::path::Path;
 
 /// Which normal to write.
@@ -23,8 +23,7 @@ pub enum NormalChoice {
 
 /// Writes every sample of `input`, in its order and with all its columns, with its normal and status.
 ///
-/// A normal that does not exist is NaN. In PLY the input's own `nx ny nz` become `given_nx …` where surface
-/// normals take their name.
+/// A normal that does not exist is NaN. Columns of the input whose names the results take become `given_nx`, ….
 pub fn normals(
     input: &Path,
     output: &Path,
@@ -34,9 +33,9 @@ pub fn normals(
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("normals", context.recipe.clone());
     let mut loaded = Loaded::read(input, &mut report.times)?;
-    Naming::of(output).retype_status(&mut loaded.input.table);
-    check_table(output, &loaded.input.table)?;
     report.inputs.push(loaded.report());
+    loaded.drop_own_status();
+    check_table(output, &loaded.input.table)?;
     match loaded.roles.dimension() {
         2 => run::<2>(loaded, output, choice, context, report),
         _ => run::<3>(loaded, output, choice, context, report),
@@ -61,15 +60,16 @@ fn run<const D: usize>(
     report.count(&result.status);
 
     let naming = Naming::of(output);
-    let mut table = loaded.input.table;
+    let mut computed = Table::default();
     if want.contains(Want::SURFACE_NORMAL) {
-        naming.keep_given_normals(&mut table, &loaded.roles);
-        set_vectors(&mut table, |axis| naming.surface_normal(axis), &result.surface_normal);
+        set_vectors(&mut computed, |axis| naming.surface_normal(axis), &result.surface_normal);
     }
     if want.contains(Want::FRAME_NORMAL) {
-        set_vectors(&mut table, |axis| naming.frame_normal(axis), &result.frame_normal);
+        set_vectors(&mut computed, |axis| naming.frame_normal(axis), &result.frame_normal);
     }
-    table.set(naming.status(&result.status));
+    computed.set(naming.status(&result.status));
+    let mut table = loaded.input.table;
+    merge(&mut table, &loaded.roles, computed);
     let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
     timed(&mut report.times.write, || write(output, &table, &options))?;
     report.wrote(output);

@@ -47,25 +47,31 @@ impl Naming {
         };
         Column::new("status", data)
     }
+}
 
-    /// Replaces the statuses of an earlier job by ones of the right type, which this job will overwrite: as words
-    /// they could not stand in PLY.
-    pub(crate) fn retype_status(self, table: &mut Table) {
-        if table.column("status").is_some() {
-            table.set(self.status(&vec![Status::Ok; table.rows()]));
+/// Drops the statuses that an earlier job wrote as words: this job writes its own, and PLY holds no words.
+pub(crate) fn drop_own_status(table: &mut Table) {
+    let ours = |words: &[String]| words.iter().all(|w| Status::ALL.iter().any(|s| s.name() == w));
+    table.columns.retain(|column| match &column.data {
+        Data::Text(words) => column.name != "status" || !ours(words),
+        _ => true,
+    });
+}
+
+/// Adds computed columns to a table. Those named like a coordinate replace it; any other column that has a computed
+/// one's name is kept as `given_…`. Where that name is taken too a job has been here before, and the first is kept.
+pub(crate) fn merge(table: &mut Table, roles: &Roles, computed: Table) {
+    let coordinates: Vec<String> = roles.coordinates.iter().map(|&i| table.columns[i].name.clone()).collect();
+    for column in &computed.columns {
+        let same = |other: &Column| other.name.eq_ignore_ascii_case(&column.name);
+        let Some(i) = table.columns.iter().position(same) else { continue };
+        let kept = format!("given_{}", table.columns[i].name);
+        if !coordinates.contains(&column.name) && table.column(&kept).is_none() {
+            table.columns[i].name = kept;
         }
     }
-
-    /// Keeps the input's own normals apart where surface normals take their name: `given_nx`, ….
-    pub(crate) fn keep_given_normals(self, table: &mut Table, roles: &Roles) {
-        let taken = |name: &str| (0..3).any(|axis| name.eq_ignore_ascii_case(&self.surface_normal(axis)));
-        for &i in roles.normals.iter().flatten() {
-            let kept = format!("given_{}", table.columns[i].name);
-            // Where a job has been here before, the first normals are kept, not its own.
-            if taken(&table.columns[i].name) && table.column(&kept).is_none() {
-                table.columns[i].name = kept;
-            }
-        }
+    for column in computed.columns {
+        table.set(column);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::clock::timed;
 use crate::load::Loaded;
-use crate::output::{Naming, set_counts, set_numbers, set_vectors};
+use crate::output::{Naming, merge, set_counts, set_numbers, set_vectors};
 use crate::report::{MovedReport, Report};
 use crate::{Context, JobError};
 use footpoint::{Project, Projections, Queries, Status};
@@ -23,9 +23,9 @@ pub fn project(
     let mut report = Report::new("project", context.recipe.clone());
     report.recipe.project.get_or_insert_default();
     let mut points = Loaded::read(input, &mut report.times)?;
-    Naming::of(output).retype_status(&mut points.input.table);
-    check_table(output, &points.input.table)?;
     report.inputs.push(points.report());
+    points.drop_own_status();
+    check_table(output, &points.input.table)?;
     let onto = onto.map(|path| Loaded::read(path, &mut report.times)).transpose()?;
     if let Some(onto) = &onto {
         report.inputs.push(onto.report());
@@ -54,28 +54,29 @@ fn run<const D: usize>(
 
     let naming = Naming::of(output);
     let mut table = points.input.table;
-    naming.keep_given_normals(&mut table, &points.roles);
-    set_projections(&mut table, &points.roles.coordinates, naming, result);
+    let names = |axis: usize| table.columns[points.roles.coordinates[axis]].name.clone();
+    let computed = projection_columns(names, naming, result);
+    merge(&mut table, &points.roles, computed);
     let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
     timed(&mut report.times.write, || write(output, &table, &options))?;
     report.wrote(output);
     Ok(report)
 }
 
-/// Puts projected points into the columns of coordinates and adds what belongs to them.
-pub(crate) fn set_projections<const D: usize>(
-    table: &mut Table,
-    coordinates: &[usize],
+/// Projected points, under the names of the coordinates, and what belongs to them.
+pub(crate) fn projection_columns<const D: usize>(
+    coordinate: impl Fn(usize) -> String,
     naming: Naming,
     result: Projections<D>,
-) {
-    let names: Vec<String> = coordinates.iter().map(|&i| table.columns[i].name.clone()).collect();
-    set_vectors(table, |axis| names[axis].clone(), &result.point);
-    set_vectors(table, |axis| naming.surface_normal(axis), &result.surface_normal);
-    set_numbers(table, "distance", result.distance);
-    set_numbers(table, "residual", result.residual);
-    set_counts(table, "evaluations", result.evaluations);
-    table.set(naming.status(&result.status));
+) -> Table {
+    let mut computed = Table::default();
+    set_vectors(&mut computed, coordinate, &result.point);
+    set_vectors(&mut computed, |axis| naming.surface_normal(axis), &result.surface_normal);
+    set_numbers(&mut computed, "distance", result.distance);
+    set_numbers(&mut computed, "residual", result.residual);
+    set_counts(&mut computed, "evaluations", result.evaluations);
+    computed.set(naming.status(&result.status));
+    computed
 }
 
 /// How far the points that are *ok* were moved.

@@ -185,7 +185,7 @@ pub enum DefinitionError {
     #[error("a limit of the acceptance rule is {0}: it must be a number")]
     Acceptance(f64),
     /// The normal field averages normals, and no sample has one.
-    #[error("the normal field {0:?} needs normals, and no sample has a usable one: use a covariance field")]
+    #[error("the field of {0} needs normals, and no sample has a usable one: use a covariance field")]
     NormalsAbsent(NormalField),
 }
 

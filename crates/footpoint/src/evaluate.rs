@@ -114,7 +114,7 @@ impl<const D: usize> Running<'_, D> {
         } else {
             Depth::Frame
         };
-        let state = || (Evaluator::new(&surface.grid, &surface.definition, 0.0), [Local::NOWHERE; BLOCK]);
+        let state = || (Evaluator::new(&surface.grid, &surface.definition), [Local::NOWHERE; BLOCK]);
         self.run.for_each_block(&grouped.blocks, state, |(evaluator, locals), range| {
             let block = grouped.block(range);
             evaluator.evaluate(block.positions(), depth, locals);

@@ -112,9 +112,18 @@ pub(crate) struct Evaluator<'s, const D: usize> {
 }
 
 impl<'s, const D: usize> Evaluator<'s, D> {
-    /// `margin`, in units of the grid, is how far positions may move before the list is made anew.
-    pub(crate) fn new(grid: &'s Grid<D>, definition: &'s Definition, margin: f64) -> Self {
-        Self { grid, definition, list: Candidates::new(), margin }
+    pub(crate) fn new(grid: &'s Grid<D>, definition: &'s Definition) -> Self {
+        Self { grid, definition, list: Candidates::new(), margin: 0.0 }
+    }
+
+    /// The support of every position, in units of the grid, if all samples have the same.
+    pub(crate) fn uniform_support(&self) -> Option<f64> {
+        self.grid.scales.is_empty().then_some(self.grid.uniform_scale)
+    }
+
+    /// Makes later lists wide enough for positions to move this far, in units of the grid.
+    pub(crate) fn set_margin(&mut self, margin: f64) {
+        self.margin = margin;
     }
 
     /// Evaluates at most [`BLOCK`] positions; finite ones, in the range of the grid.

@@ -30,6 +30,17 @@ impl NormalField {
     }
 }
 
+impl std::fmt::Display for NormalField {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Covariance => "covariance",
+            Self::CentredCovariance => "centred covariance",
+            Self::AveragedNormals => "averaged normals",
+            Self::AveragedAxes => "averaged axes",
+        })
+    }
+}
+
 /// A frame and its quality.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fit<L, const D: usize> {

@@ -8,7 +8,7 @@ use crate::run::{Cancelled, Run};
 use crate::status::Status;
 use crate::surface::{Running, Sign, Surface};
 
-/// How far an iterate may move, in units of the grid (half to one support), before its candidates are sought anew.
+/// How far an iterate may move, in local supports, before its candidates are sought anew.
 const MARGIN: f64 = 0.3;
 
 /// Steps are halved for another attempt where the full ones fail: they have the same limits, and reach them where
@@ -132,7 +132,7 @@ impl<const D: usize> Surface<D> {
         if !start.is_representable() {
             return trace;
         }
-        let mut evaluator = Evaluator::new(&self.grid, &self.definition, MARGIN);
+        let mut evaluator = Evaluator::new(&self.grid, &self.definition);
         let mut points = [Moving::new(start)];
         let mut last = [f64::NAN; D];
         iterate(&mut evaluator, &mut points, how, 1, |position, local| {
@@ -165,7 +165,7 @@ impl<const D: usize> Running<'_, D> {
         let evaluations = Counts::new(rows, true);
         let status = Statuses::new(rows);
 
-        let state = || Evaluator::new(&surface.grid, &surface.definition, MARGIN);
+        let state = || Evaluator::new(&surface.grid, &surface.definition);
         self.run.for_each_block(&grouped.blocks, state, |evaluator, range| {
             let block = grouped.block(range);
             let mut moving = [Moving::new(Position::at([0.0; D])); BLOCK];
@@ -335,6 +335,8 @@ fn iterate<const D: usize>(
     attempts: i32,
     mut observe: impl FnMut(&Position<f64, D>, &Local<D>),
 ) {
+    // Where supports differ the first list is narrow, until they are known here.
+    evaluator.set_margin(MARGIN * evaluator.uniform_support().unwrap_or(0.0));
     let mut under_way: Vec<usize> = (0..points.len()).collect();
     let mut locals = [Local::NOWHERE; BLOCK];
     while !under_way.is_empty() {
@@ -343,6 +345,13 @@ fn iterate<const D: usize>(
             *position = points[i].position;
         }
         evaluator.evaluate(&positions[..under_way.len()], Depth::Gradient, &mut locals);
+        if evaluator.uniform_support().is_none() {
+            // The smallest of the block: where supports differ by orders of magnitude, a wider list would hold
+            // thousands of samples too many. Where there is none nothing moves.
+            let supports = locals[..under_way.len()].iter().map(|local| local.support);
+            let smallest = supports.fold(f64::INFINITY, f64::min);
+            evaluator.set_margin(if smallest.is_finite() { MARGIN * smallest } else { 0.0 });
+        }
         let mut locals = locals.iter();
         under_way.retain(|&i| {
             let Some(local) = locals.next() else { return false };

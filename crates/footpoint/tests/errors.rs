@@ -95,7 +95,7 @@ fn limits_of_the_acceptance_rule() {
 #[test]
 fn fields_that_need_normals() {
     for (field, said) in
-        [(NormalField::AveragedNormals, "AveragedNormals"), (NormalField::AveragedAxes, "AveragedAxes")]
+        [(NormalField::AveragedNormals, "averaged normals"), (NormalField::AveragedAxes, "averaged axes")]
     {
         let definition = Definition::new().with_field(field);
         assert!(field.needs_normals());

@@ -26,7 +26,7 @@ fn write_integer(out: &mut impl Write, value: impl Display) -> io::Result<()> {
 
 /// Writes the shortest digits that mean this very number: plain in the usual range, with an exponent
 /// where plain digits would run to hundreds, `nan`, `inf` or `-inf`.
-fn write_real<T>(out: &mut impl Write, value: T) -> io::Result<()>
+pub(super) fn write_real<T>(out: &mut impl Write, value: T) -> io::Result<()>
 where
     T: Copy + Display + LowerExp + Into<f64>,
 {

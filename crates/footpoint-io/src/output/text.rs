@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::WriteProblem;
-use super::number::write_value;
+use super::number::{write_real, write_value};
 use crate::format::TextKind;
 use crate::text::needs_quotes;
 use crate::{Column, Data, Table};
@@ -46,6 +46,8 @@ pub(super) fn write(out: &mut impl Write, table: &Table, kind: TextKind) -> io::
             }
             match &column.data {
                 Data::Text(values) => write_field(out, values.get(row).map_or("", String::as_str))?,
+                // Text keeps no types: it is read back as doubles, so singles are written as the doubles they are.
+                Data::F32(values) => write_real(out, values.get(row).copied().map_or(f64::NAN, f64::from))?,
                 numbers => write_value(out, numbers, row)?,
             }
         }

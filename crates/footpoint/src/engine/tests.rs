@@ -84,7 +84,7 @@ fn agrees_with_the_oracle<const D: usize>() {
     every_setting(|weight, field, per_sample, factors| {
         let (samples, grid) = cloud::<D>(&mut random, weight, per_sample, factors);
         let definition = Definition::new().with_weight(weight).with_field(field);
-        let mut evaluator = Evaluator::new(&grid, &definition, 0.0);
+        let mut evaluator = Evaluator::new(&grid, &definition);
         for _ in 0..5 {
             let centre: [f64; D] = std::array::from_fn(|k| if k == D - 1 { 0.1 } else { random.uniform() });
             let positions: [Position<f64, D>; BLOCK] =
