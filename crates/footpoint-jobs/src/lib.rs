@@ -95,11 +95,6 @@ pub enum JobError {
         /// What does not fit.
         problem: footpoint::CloudError,
     },
-    /// A normal field that averages normals, and a file without any.
-    #[error(
-        "{0}: the normal field chosen needs normals, and the file has no usable ones: choose a covariance field"
-    )]
-    NormalsAbsent(String),
     /// No surface can be made of the file.
     #[error("{path}: {problem}")]
     Surface {

@@ -4,7 +4,7 @@ use crate::clock::{Times, timed};
 use crate::output::drop_own_status;
 use crate::report::{InputReport, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError};
-use footpoint::{Cloud, Definition, DefinitionError, Error, Support, Surface};
+use footpoint::{Cloud, Definition, Error, Support, Surface};
 use footpoint_io::roles::Roles;
 use footpoint_io::{Format, Input};
 use std::path::Path;
@@ -138,7 +138,6 @@ pub(crate) fn surface_of_cloud<const D: usize>(
     let built = timed(&mut times.index, || Surface::build(cloud, context.definition(), &run));
     built.map_err(|problem| match problem {
         Error::Cancelled(_) => JobError::Cancelled,
-        Error::Definition(DefinitionError::NormalsAbsent(_)) => JobError::NormalsAbsent(path.to_owned()),
         problem => JobError::Surface { path: path.to_owned(), problem },
     })
 }
