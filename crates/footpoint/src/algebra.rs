@@ -6,15 +6,15 @@ pub(crate) type Vector<L, const D: usize> = [L; D];
 pub(crate) type Matrix<L, const D: usize> = [[L; D]; D];
 
 #[inline(always)]
-pub(crate) fn zero<L: Lane, const D: usize>() -> Vector<L, D> {
-    [L::splat(0.0); D]
+pub(crate) fn zero<L: Lane, const D: usize>(token: L::Token) -> Vector<L, D> {
+    [L::splat(token, 0.0); D]
 }
 
 #[inline(always)]
 pub(crate) fn dot<L: Lane, const D: usize>(a: Vector<L, D>, b: Vector<L, D>) -> L {
     let mut sum = a[0] * b[0];
     for k in 1..D {
-        sum = sum + a[k] * b[k];
+        sum = a[k].mul_add(b[k], sum);
     }
     sum
 }
@@ -41,7 +41,7 @@ pub(crate) fn add_scaled<L: Lane, const D: usize>(
     b: Vector<L, D>,
     factor: L,
 ) -> Vector<L, D> {
-    std::array::from_fn(|k| a[k] + b[k] * factor)
+    std::array::from_fn(|k| b[k].mul_add(factor, a[k]))
 }
 
 /// The part of `a` that is orthogonal to the unit vector `n`.
@@ -56,7 +56,7 @@ pub(crate) fn add_outer_upper<L: Lane, const D: usize>(m: &mut Matrix<L, D>, v: 
     for i in 0..D {
         let row = v[i] * factor;
         for j in i..D {
-            m[i][j] = m[i][j] + row * v[j];
+            m[i][j] = row.mul_add(v[j], m[i][j]);
         }
     }
 }

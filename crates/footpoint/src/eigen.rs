@@ -1,7 +1,16 @@
 //! Eigenpairs of symmetric 2×2 and 3×3 matrices, for any lane scalar and any magnitude of the entries.
 
-use crate::algebra::{Matrix, Vector};
+use crate::algebra::{Matrix, Vector, dot, tangential};
 use crate::lane::Lane;
+
+/// One eigenpair of a positive semidefinite matrix, and all eigenvalues.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Eigenpair<L, const D: usize> {
+    /// Ascending.
+    pub(crate) values: Vector<L, D>,
+    /// Unit vector of the smallest (or largest) eigenvalue.
+    pub(crate) vector: Vector<L, D>,
+}
 
 /// Eigenvalues in ascending order, each with its unit eigenvector.
 #[derive(Clone, Copy, Debug)]
@@ -9,6 +18,182 @@ pub(crate) struct Eigen<L, const D: usize> {
     pub(crate) values: Vector<L, D>,
     /// `vectors[j]` belongs to `values[j]`.
     pub(crate) vectors: [Vector<L, D>; D],
+}
+
+/// The smallest eigenvalue's pair of a positive semidefinite matrix, for entries of any magnitude.
+///
+/// In 3-D Laguerre's iteration from below, three steps and one of Newton's, gives the eigenvalue; the largest column
+/// of the adjugate the vector; its Rayleigh quotient a better value and the column once more. Lanes whose
+/// gap is small go to Jacobi's method instead, lane by lane, so that a neighbour lane changes nothing.
+#[inline(always)]
+pub(crate) fn smallest<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigenpair<L, D> {
+    let trace = trace(matrix);
+    // A matrix of zeros stays one, with eigenvalues of zero.
+    let inverse = L::select(trace.like(0.0).less(trace), trace.like(1.0) / trace, trace.like(0.0));
+    let a = std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j] * inverse));
+    let pair = if D == 2 { smallest_of_two(a) } else { smallest_of_three(a) };
+    Eigenpair { values: std::array::from_fn(|k| pair.values[k] * trace), ..pair }
+}
+
+/// The largest eigenvalue's pair: the smallest one of tr(A) I − A.
+#[inline(always)]
+pub(crate) fn largest<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigenpair<L, D> {
+    let trace = trace(matrix);
+    let mirrored = std::array::from_fn(|i| {
+        std::array::from_fn(|j| if i == j { trace - matrix[i][i] } else { -matrix[i][j] })
+    });
+    let pair = smallest(mirrored);
+    Eigenpair { values: std::array::from_fn(|k| trace - pair.values[D - 1 - k]), ..pair }
+}
+
+#[inline(always)]
+fn trace<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> L {
+    let mut sum = matrix[0][0];
+    for k in 1..D {
+        sum = sum + matrix[k][k];
+    }
+    sum
+}
+
+/// Closed form for unit trace; exact for every gap.
+#[inline(always)]
+fn smallest_of_two<L: Lane, const D: usize>(a: Matrix<L, D>) -> Eigenpair<L, D> {
+    let zero = a[0][0].like(0.0);
+    let mean = (a[0][0] + a[1][1]) * zero.like(0.5);
+    let half = (a[0][0] - a[1][1]) * zero.like(0.5);
+    let b = a[0][1];
+    let radius = (half * half + b * b).sqrt();
+    let negative = half.less(zero);
+    let first = L::select(negative, half - radius, b);
+    let second = L::select(negative, b, -(half + radius));
+    let length = (first * first + second * second).sqrt();
+    let values = [mean - radius, mean + radius];
+    let vector = [first / length, second / length];
+    Eigenpair {
+        values: std::array::from_fn(|k| values[k.min(1)]),
+        vector: std::array::from_fn(|k| vector[k.min(1)]),
+    }
+}
+
+/// Gaps below this share of the trace go to Jacobi's method; there the column has lost four digits.
+const SMALL_GAP: f64 = 1e-4;
+
+#[inline(always)]
+fn smallest_of_three<L: Lane, const D: usize>(a: Matrix<L, D>) -> Eigenpair<L, D> {
+    let zero = a[0][0].like(0.0);
+    let number = |value: f64| zero.like(value);
+    let minor = |i: usize, j: usize| a[i][i] * a[j][j] - a[i][j] * a[i][j];
+    let minors = minor(0, 1) + minor(0, 2) + minor(1, 2);
+    let determinant = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[1][2])
+        - a[0][1] * (a[0][1] * a[2][2] - a[1][2] * a[0][2])
+        + a[0][2] * (a[0][1] * a[1][2] - a[1][1] * a[0][2]);
+    let value_and_slope = |x: L| {
+        let value = ((x - number(1.0)).mul_add(x, minors)).mul_add(x, -determinant);
+        let slope = (x * number(3.0) - number(2.0)).mul_add(x, minors);
+        (value, slope)
+    };
+    let mut x = zero;
+    for _ in 0..3 {
+        let (p, slope) = value_and_slope(x);
+        let bend = x * number(6.0) - number(2.0);
+        let inside = (slope * slope * number(4.0) - p * bend * number(6.0)).max(zero);
+        let denominator = slope + inside.sqrt();
+        let step = p * number(3.0) / denominator;
+        x = L::select(zero.less(denominator), x - step, x);
+    }
+    let (p, slope) = value_and_slope(x);
+    x = L::select(zero.less(slope), x - p / slope, x);
+
+    let vector = column_of_adjugate(a, x);
+    let refined = dot(vector, product(a, vector));
+    // Where every column vanishes there is no vector yet; the gap is small there.
+    x = L::select(refined.abs().less(number(2.0)), refined, x);
+    let vector = column_of_adjugate(a, x);
+    let [middle, largest] = values_across(a, vector);
+    // NaN, where there is no vector, is no good gap either.
+    let good = number(SMALL_GAP).less(middle - x);
+    let values = [x, middle, largest];
+    let pair = Eigenpair { values: std::array::from_fn(|k| values[k]), vector };
+    if L::none(zero.less(L::select(good, zero, number(1.0)))) {
+        return pair;
+    }
+    let exact = eigen(a);
+    Eigenpair {
+        values: std::array::from_fn(|k| L::select(good, pair.values[k], exact.values[k])),
+        vector: std::array::from_fn(|k| L::select(good, pair.vector[k], exact.vectors[0][k])),
+    }
+}
+
+#[inline(always)]
+fn product<L: Lane, const D: usize>(a: Matrix<L, D>, v: Vector<L, D>) -> Vector<L, D> {
+    std::array::from_fn(|i| dot(a[i], v))
+}
+
+/// The two eigenvalues on the plane across the unit vector n, ascending: those of the 2×2 matrix there. Differences of
+/// the characteristic polynomial's coefficients would lose half the digits where the two are near each other.
+#[inline(always)]
+fn values_across<L: Lane, const D: usize>(a: Matrix<L, D>, n: Vector<L, D>) -> [L; 2] {
+    let zero = a[0][0].like(0.0);
+    let number = |value: f64| zero.like(value);
+    // A basis without a division by zero (Duff et al. 2017), for n with either sign of its last component.
+    let sign = L::select(n[2 % D].less(zero), number(-1.0), number(1.0));
+    let p = number(-1.0) / (sign + n[2 % D]);
+    let q = n[0] * n[1] * p;
+    let first = [number(1.0) + sign * n[0] * n[0] * p, sign * q, -(sign * n[0])];
+    let second = [q, sign + n[1] * n[1] * p, -n[1]];
+    let along = |v: [L; 3]| -> Vector<L, D> { std::array::from_fn(|k| v[k]) };
+    let (first, second) = (along(first), along(second));
+    let (turned, other) = (product(a, first), product(a, second));
+    let (aa, ab, bb) = (dot(first, turned), dot(second, turned), dot(second, other));
+    let mean = (aa + bb) * number(0.5);
+    let half = (aa - bb) * number(0.5);
+    let radius = (half * half + ab * ab).sqrt();
+    [mean - radius, mean + radius]
+}
+
+/// The longest cross product of two rows of A − x I, as a unit vector.
+#[inline(always)]
+fn column_of_adjugate<L: Lane, const D: usize>(a: Matrix<L, D>, x: L) -> Vector<L, D> {
+    let row = |i: usize| -> [L; 3] { std::array::from_fn(|j| if i == j { a[i][i] - x } else { a[i][j] }) };
+    let cross = |a: [L; 3], b: [L; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let mut best = cross(row(0), row(1));
+    let mut size = dot(best, best);
+    for other in [cross(row(0), row(2)), cross(row(1), row(2))] {
+        let other_size = dot(other, other);
+        let longer = size.less(other_size);
+        best = std::array::from_fn(|k| L::select(longer, other[k], best[k]));
+        size = L::select(longer, other_size, size);
+    }
+    let inverse = x.like(1.0) / size.sqrt();
+    std::array::from_fn(|k| best[k] * inverse)
+}
+
+/// `Σ_{j≠own} v_j (v_j·u)/(λ_j − λ_own)` without the other pairs (SPEC § 10): with B = A − λ_own I on the complement of
+/// its eigenvector n, the inverse is (tr B − B)/m in 3-D, m the sum of the principal minors, and 1/tr B in 2-D.
+#[inline(always)]
+pub(crate) fn pseudo_inverse<L: Lane, const D: usize>(
+    a: Matrix<L, D>,
+    value: L,
+    n: Vector<L, D>,
+    u: Vector<L, D>,
+) -> Vector<L, D> {
+    let mut b = a;
+    for k in 0..D {
+        b[k][k] = b[k][k] - value;
+    }
+    let across = tangential(u, n);
+    let trace = trace(b);
+    if D == 2 {
+        return std::array::from_fn(|k| across[k] / trace);
+    }
+    let minor = |i: usize, j: usize| b[i][i] * b[j][j] - b[i][j] * b[i][j];
+    let minors = minor(0, 1) + minor(0, 2) + minor(1, 2);
+    let turned = product(b, across);
+    let inverse = trace.like(1.0) / minors;
+    // Once more across n: the product leaves a rounding along it.
+    tangential(std::array::from_fn(|k| (trace * across[k] - turned[k]) * inverse), n)
 }
 
 /// Sweeps after which a 3×3 matrix is diagonal whatever it was; cubic convergence needs four or five.
@@ -21,10 +206,10 @@ const NEGLIGIBLE: f64 = 1e-24;
 ///
 /// Slower than a closed form, but exact to the last digits for every matrix, and its rotations are smooth in the
 /// entries wherever the eigenvalues are distinct. A zero or non-finite matrix gives zero or NaN eigenvalues.
-#[inline]
+#[inline(never)]
 pub(crate) fn eigen<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigen<L, D> {
-    let zero = L::splat(0.0);
-    let one = L::splat(1.0);
+    let zero = matrix[0][0].like(0.0);
+    let one = zero.like(1.0);
     let mut largest = zero;
     for i in 0..D {
         for j in i..D {
@@ -44,12 +229,21 @@ pub(crate) fn eigen<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigen<L, D
                 off = a[p][q].abs().max(off);
             }
         }
-        if L::none(L::splat(NEGLIGIBLE).less(off)) {
+        // A lane that has converged stands still, whatever its neighbours need.
+        let moving = zero.like(NEGLIGIBLE).less(off);
+        if L::none(moving) {
             break;
         }
+        let (mut next, mut turned) = (a, v);
         for p in 0..D {
             for q in p + 1..D {
-                rotate(&mut a, &mut v, p, q);
+                rotate(&mut next, &mut turned, p, q);
+            }
+        }
+        for i in 0..D {
+            for j in 0..D {
+                a[i][j] = L::select(moving, next[i][j], a[i][j]);
+                v[i][j] = L::select(moving, turned[i][j], v[i][j]);
             }
         }
     }
@@ -73,8 +267,8 @@ pub(crate) fn eigen<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigen<L, D
 /// The rotation in the plane (p, q) that makes `a[p][q]` zero; `v` collects the rotations in its columns.
 #[inline(always)]
 fn rotate<L: Lane, const D: usize>(a: &mut Matrix<L, D>, v: &mut Matrix<L, D>, p: usize, q: usize) {
-    let zero = L::splat(0.0);
-    let one = L::splat(1.0);
+    let zero = a[p][q].like(0.0);
+    let one = zero.like(1.0);
     // tan φ = w sign(δ)/(|δ| + √(δ² + w²)), the smaller root; no division by an entry that may be zero.
     let w = a[p][q] + a[p][q];
     let delta = a[q][q] - a[p][p];
@@ -107,7 +301,6 @@ fn rotate<L: Lane, const D: usize>(a: &mut Matrix<L, D>, v: &mut Matrix<L, D>, p
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::algebra::dot;
     use crate::lane::tests::Dual;
     use crate::samples::Random;
 

@@ -2,7 +2,7 @@
 
 use crate::algebra::scale;
 use crate::columns::{Counts, Numbers, Statuses};
-use crate::evaluator::{BLOCK, Depth, Evaluator, Local, Position};
+use crate::evaluator::{Depth, Local, Position};
 use crate::field::NormalField;
 use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
@@ -104,9 +104,9 @@ impl<const D: usize> Running<'_, D> {
         want: Want,
     ) -> Result<Evaluations<D>, Cancelled> {
         let surface = self.surface;
-        let points = at.into().points(surface);
-        let grouped = Grouped::new(surface, points, self.run);
-        let columns = Columns::new(points.len(), want);
+        let queries = at.into();
+        let columns = Columns::new(queries.points(surface).len(), want);
+        let grouped = Grouped::new(surface, queries, self.run);
         let depth = if want.contains(Want::SQUARED_SENSITIVITY) {
             Depth::Sensitivity
         } else if want.contains(Want::GRADIENT) || want.contains(Want::SURFACE_NORMAL) {
@@ -114,10 +114,8 @@ impl<const D: usize> Running<'_, D> {
         } else {
             Depth::Frame
         };
-        let state = || (Evaluator::new(&surface.grid, &surface.definition), [Local::NOWHERE; BLOCK]);
-        self.run.for_each_block(&grouped.blocks, state, |(evaluator, locals), range| {
-            let block = grouped.block(range);
-            evaluator.evaluate(block.positions(), depth, locals);
+        grouped.for_each_block(surface, self.run, 0.0, |evaluator, block| {
+            let locals = evaluator.evaluate(block.positions(), depth);
             for (j, position) in block.positions().iter().enumerate() {
                 columns.put(surface, block.rows[j], position, &locals[j], depth);
             }

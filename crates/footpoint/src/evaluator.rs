@@ -6,14 +6,18 @@ pub(crate) use crate::engine::{BLOCK, Position};
 use crate::engine::{Candidates, Needs, first_pass, second_pass};
 use crate::field::{NormalField, fit, gradient};
 use crate::grid::Grid;
+use crate::lane::{Lane, Lanes};
 use crate::status::Status;
-use crate::weight::{Kernel, with_kernel};
+use crate::weight::{Kernel, Weight, with_kernel};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+use std::any::Any;
 
 /// Gaps below this do not determine a frame in double precision (SPEC § 3).
 const DEGENERATE_GAP: f64 = 1e-12;
 
-/// Gradients shorter than this have no direction.
-const SMALLEST_GRADIENT: f64 = 1e-12;
+/// Gradients shorter than this over the gap have no direction: the rounding error of ∇f grows as one over the gap.
+const SMALLEST_GRADIENT: f64 = 1e-13;
 
 /// How far to compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +79,7 @@ impl<const D: usize> Local<D> {
     /// ∇f/|∇f|, where ∇f has a direction.
     pub(crate) fn surface_normal(&self) -> Option<[f64; D]> {
         let length = length(self.gradient);
-        if length < SMALLEST_GRADIENT || !length.is_finite() {
+        if length * self.gap < SMALLEST_GRADIENT || !length.is_finite() {
             return None;
         }
         let unit = scale(self.gradient, 1.0 / length);
@@ -109,11 +113,20 @@ pub(crate) struct Evaluator<'s, const D: usize> {
     definition: &'s Definition,
     list: Candidates<D>,
     margin: f64,
+    level: Level,
+    locals: [Local<D>; BLOCK],
 }
 
 impl<'s, const D: usize> Evaluator<'s, D> {
     pub(crate) fn new(grid: &'s Grid<D>, definition: &'s Definition) -> Self {
-        Self { grid, definition, list: Candidates::new(), margin: 0.0 }
+        let (list, locals) = (Candidates::new(), [Local::NOWHERE; BLOCK]);
+        Self { grid, definition, list, margin: 0.0, level: Level::new(), locals }
+    }
+
+    /// Computes with the instructions of another level than the best.
+    #[cfg(test)]
+    pub(crate) fn with_level(self, level: Level) -> Self {
+        Self { level, ..self }
     }
 
     /// The support of every position, in units of the grid, if all samples have the same.
@@ -126,17 +139,15 @@ impl<'s, const D: usize> Evaluator<'s, D> {
         self.margin = margin;
     }
 
+    /// Prepares for the blocks of a group: what they share is gathered once.
+    pub(crate) fn enter(&mut self, positions: impl Iterator<Item = Position<f64, D>>) {
+        self.list.enter(self.grid, positions, self.margin, self.definition.weight().reach());
+    }
+
     /// Evaluates at most [`BLOCK`] positions; finite ones, in the range of the grid.
-    pub(crate) fn evaluate(
-        &mut self,
-        positions: &[Position<f64, D>],
-        depth: Depth,
-        out: &mut [Local<D>; BLOCK],
-    ) {
-        if !positions.iter().all(|position| self.list.covers(position)) {
-            let reach = self.definition.weight().reach();
-            self.list.gather(self.grid, positions, self.margin, reach);
-        }
+    pub(crate) fn evaluate(&mut self, positions: &[Position<f64, D>], depth: Depth) -> &[Local<D>] {
+        let reach = self.definition.weight().reach();
+        self.list.cover(self.grid, positions, self.margin, reach, self.level);
         let field = self.definition.field();
         let needs = Needs {
             second: matches!(field, NormalField::Covariance | NormalField::CentredCovariance),
@@ -144,52 +155,118 @@ impl<'s, const D: usize> Evaluator<'s, D> {
             sensitivity: depth == Depth::Sensitivity,
             domain: self.definition.domain_ratio().powi(2),
         };
-        with_kernel!(self.definition.weight(), kernel => {
-            for (position, out) in positions.iter().zip(out) {
-                *out = local(kernel, &self.list, *position, field, needs, depth);
-            }
-        });
+        let what = What { level: self.level, weight: self.definition.weight(), field, needs, depth };
+        // Lanes without a position of their own repeat the last.
+        let last = positions.len().saturating_sub(1);
+        if let Some(&padding) = positions.last() {
+            let padded: [Position<f64, D>; BLOCK] =
+                std::array::from_fn(|i| positions.get(i.min(last)).copied().unwrap_or(padding));
+            evaluate_block(what, &self.list, &padded, &mut self.locals);
+        }
+        &self.locals[..positions.len()]
     }
 }
 
-#[inline]
-fn local<K: Kernel, const D: usize>(
-    kernel: K,
-    list: &Candidates<D>,
-    position: Position<f64, D>,
+/// What to compute, apart from where.
+#[derive(Clone, Copy)]
+struct What {
+    level: Level,
+    weight: Weight,
     field: NormalField,
     needs: Needs,
     depth: Depth,
-) -> Local<D> {
-    let sums = first_pass(kernel, list, position, needs);
-    if sums.inside == 0.0 {
-        return Local { neighbours: sums.neighbours as u32, ..Local::NOWHERE };
-    }
-    let fit = fit(field, &sums);
-    let mut local = Local {
-        status: Status::Degenerate,
-        neighbours: sums.neighbours as u32,
-        weight_sum: sums.weight,
-        effective_neighbours: sums.weight * sums.weight / sums.squares,
-        support: sums.scales / sums.weight,
-        aside: fit.frame.aside,
-        gap: if fit.gap.is_nan() { 0.0 } else { fit.gap },
-        eigenvalues: if field == NormalField::AveragedNormals { [f64::NAN; D] } else { fit.eigenvalues },
-        ..Local::NOWHERE
-    };
-    if local.gap < DEGENERATE_GAP {
-        return local;
-    }
-    local.status = Status::Ok;
-    local.normal = fit.frame.normal;
-    local.value = -dot(local.normal, local.aside);
-    local.signed = dot(local.normal, sums.normals) > 0.0;
-    if depth != Depth::Frame {
-        let second = second_pass(kernel, list, position, &fit.frame, needs);
-        local.gradient = gradient(&fit.frame, sums.weight, second.gradient);
-        if needs.sensitivity {
-            local.sensitivity = second.sensitivity / (sums.weight * sums.weight);
+}
+
+/// Leads to the block evaluation of two or of three dimensions.
+///
+/// The dimension is found again at run time, so that the kernels are compiled once, with the library, and not
+/// again in every crate that uses it.
+fn evaluate_block(what: What, list: &dyn Any, positions: &dyn Any, out: &mut dyn Any) {
+    fn sized<const D: usize>(what: What, list: &dyn Any, positions: &dyn Any, out: &mut dyn Any) {
+        let list = list.downcast_ref::<Candidates<D>>();
+        let positions = positions.downcast_ref::<[Position<f64, D>; BLOCK]>();
+        let out = out.downcast_mut::<[Local<D>; BLOCK]>();
+        if let (Some(list), Some(positions), Some(out)) = (list, positions, out) {
+            with_kernel!(what.weight, kernel => {
+                dispatch!(what.level, simd => block(simd, kernel, list, positions, what, out));
+            });
         }
     }
-    local
+    sized::<2>(what, list, positions, out);
+    sized::<3>(what, list, positions, out);
+}
+
+/// A block, as many positions at a time as the processor has lanes.
+#[inline(always)]
+fn block<S: Simd, K: Kernel, const D: usize>(
+    simd: S,
+    kernel: K,
+    list: &Candidates<D>,
+    positions: &[Position<f64, D>; BLOCK],
+    what: What,
+    out: &mut [Local<D>; BLOCK],
+) {
+    let width = Lanes::<S>::WIDTH;
+    for (positions, out) in positions.chunks(width).zip(out.chunks_mut(width)) {
+        let position = Position {
+            anchor: std::array::from_fn(|k| Lanes::from_fn(simd, |i| positions[i].anchor[k])),
+            offset: std::array::from_fn(|k| Lanes::from_fn(simd, |i| positions[i].offset[k])),
+        };
+        local::<Lanes<S>, K, D>(kernel, list, position, what, out);
+    }
+}
+
+#[inline(always)]
+fn local<L: Lane, K: Kernel, const D: usize>(
+    kernel: K,
+    list: &Candidates<D>,
+    position: Position<L, D>,
+    what: What,
+    out: &mut [Local<D>],
+) {
+    let What { field, needs, depth, .. } = what;
+    let sums = first_pass(kernel, list, position, needs);
+    let fit = fit(field, &sums);
+    let normal = fit.frame.normal;
+    let value = -dot(normal, fit.frame.aside);
+    let along = dot(normal, sums.normals);
+    let effective = sums.weight * sums.weight / sums.squares;
+    let support = sums.scales / sums.weight;
+    let (gradient, sensitivity) = if depth == Depth::Frame {
+        (normal, value)
+    } else {
+        let second = second_pass(kernel, list, position, &fit.frame, needs);
+        let gradient = gradient(&fit.frame, sums.weight, second.gradient);
+        (gradient, second.sensitivity / (sums.weight * sums.weight))
+    };
+    for (i, out) in out.iter_mut().enumerate() {
+        let vector = |v: [L; D]| -> [f64; D] { std::array::from_fn(|k| v[k].get(i)) };
+        *out = Local { neighbours: sums.neighbours.get(i) as u32, ..Local::NOWHERE };
+        if sums.inside.get(i) == 0.0 {
+            continue;
+        }
+        let gap = fit.gap.get(i);
+        out.status = Status::Degenerate;
+        out.weight_sum = sums.weight.get(i);
+        out.effective_neighbours = effective.get(i);
+        out.support = support.get(i);
+        out.aside = vector(fit.frame.aside);
+        out.gap = if gap.is_nan() { 0.0 } else { gap };
+        if field != NormalField::AveragedNormals {
+            out.eigenvalues = vector(fit.eigenvalues);
+        }
+        if out.gap < DEGENERATE_GAP {
+            continue;
+        }
+        out.status = Status::Ok;
+        out.normal = vector(normal);
+        out.value = value.get(i);
+        out.signed = along.get(i) > 0.0;
+        if depth != Depth::Frame {
+            out.gradient = vector(gradient);
+        }
+        if needs.sensitivity {
+            out.sensitivity = sensitivity.get(i);
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Normal fields: the frame normal n and how it turns, from the sums of the first pass (SPEC § 3, § 4).
 
-use crate::algebra::{Matrix, Vector, add_scaled, dot, scale, tangential, zero};
-use crate::eigen::{Eigen, eigen};
+use crate::algebra::{Matrix, Vector, add, add_scaled, dot, scale, tangential, zero};
+use crate::eigen::{largest, pseudo_inverse, smallest};
 use crate::engine::{Contraction, Frame, FrameSums};
 use crate::lane::Lane;
 
@@ -57,13 +57,17 @@ const CANCELLED: f64 = 1e-14;
 
 /// Fits the frame. The sign of n is that of the samples' normals where they have one here, else the component of
 /// largest magnitude is positive (SPEC § 3).
+#[inline(always)]
 pub(crate) fn fit<L: Lane, const D: usize>(field: NormalField, sums: &FrameSums<L, D>) -> Fit<L, D> {
-    let u = scale(sums.first, L::splat(1.0) / sums.weight);
+    let u = scale(sums.first, sums.weight.like(1.0) / sums.weight);
     match field {
         NormalField::Covariance => {
-            let pairs = eigen(normalised(sums.second, sums.weight));
-            let (normal, g, gap) = smallest(&pairs, u, sums);
-            fitted(normal, u, Contraction::AboutX { g }, gap, scale(pairs.values, sums.weight))
+            let matrix = normalised(sums.second, sums.weight);
+            let pair = smallest(matrix);
+            let normal = signed(pair.vector, sums);
+            let g = pseudo_inverse(matrix, pair.values[0], normal, u);
+            let gap = (pair.values[1] - pair.values[0]) / pair.values[D - 1];
+            fitted(normal, u, Contraction::AboutX { g }, gap, scale(pair.values, sums.weight))
         }
         NormalField::CentredCovariance => {
             let mut matrix = normalised(sums.second, sums.weight);
@@ -76,29 +80,33 @@ pub(crate) fn fit<L: Lane, const D: usize>(field: NormalField, sums: &FrameSums<
                     matrix[i][j] = matrix[i][j] - u[i] * u[j];
                 }
             }
-            let pairs = eigen(matrix);
-            let (normal, g, gap) = smallest(&pairs, u, sums);
+            let pair = smallest(matrix);
+            let normal = signed(pair.vector, sums);
+            let g = pseudo_inverse(matrix, pair.values[0], normal, u);
             // Where the samples nearly coincide the difference above cancels: what is left is rounding, not a frame.
-            let known = (trace * L::splat(CANCELLED)).less(pairs.values[1] - pairs.values[0]);
-            let gap = L::select(known, gap, L::splat(0.0));
-            fitted(normal, u, Contraction::Centred { g }, gap, scale(pairs.values, sums.weight))
+            let difference = pair.values[1] - pair.values[0];
+            let known = (trace * trace.like(CANCELLED)).less(difference);
+            let gap = L::select(known, difference / pair.values[D - 1], trace.like(0.0));
+            fitted(normal, u, Contraction::Centred { g }, gap, scale(pair.values, sums.weight))
         }
         NormalField::AveragedNormals => {
             let length = dot(sums.normals, sums.normals).sqrt();
-            let normal = scale(sums.normals, L::splat(1.0) / length);
+            let normal = scale(sums.normals, length.like(1.0) / length);
             let e = scale(tangential(u, normal), sums.weight / length);
-            fitted(normal, u, Contraction::Normals { e }, length / sums.weight, zero())
+            fitted(normal, u, Contraction::Normals { e }, length / sums.weight, zero(length.token()))
         }
         NormalField::AveragedAxes => {
-            let pairs = eigen(normalised(sums.axes, sums.weight));
-            let normal = signed(pairs.vectors[D - 1], sums);
-            let g = pseudo_inverse(&pairs, D - 1, u);
-            let gap = (pairs.values[D - 1] - pairs.values[D - 2]) / pairs.values[D - 1];
-            fitted(normal, u, Contraction::Axes { g }, gap, scale(pairs.values, sums.weight))
+            let matrix = normalised(sums.axes, sums.weight);
+            let pair = largest(matrix);
+            let normal = signed(pair.vector, sums);
+            let g = pseudo_inverse(matrix, pair.values[D - 1], normal, u);
+            let gap = (pair.values[D - 1] - pair.values[D - 2]) / pair.values[D - 1];
+            fitted(normal, u, Contraction::Axes { g }, gap, scale(pair.values, sums.weight))
         }
     }
 }
 
+#[inline(always)]
 fn fitted<L: Lane, const D: usize>(
     normal: Vector<L, D>,
     aside: Vector<L, D>,
@@ -109,35 +117,16 @@ fn fitted<L: Lane, const D: usize>(
     Fit { frame: Frame { normal, aside, contraction }, gap, eigenvalues }
 }
 
-/// v0 with its sign, g = S P u, and the gap.
-fn smallest<L: Lane, const D: usize>(
-    pairs: &Eigen<L, D>,
-    u: Vector<L, D>,
-    sums: &FrameSums<L, D>,
-) -> (Vector<L, D>, Vector<L, D>, L) {
-    let normal = signed(pairs.vectors[0], sums);
-    let gap = (pairs.values[1] - pairs.values[0]) / pairs.values[D - 1];
-    (normal, pseudo_inverse(pairs, 0, u), gap)
-}
-
+#[inline(always)]
 fn normalised<L: Lane, const D: usize>(matrix: Matrix<L, D>, weight: L) -> Matrix<L, D> {
-    matrix.map(|row| row.map(|entry| entry / weight))
-}
-
-/// `Σ_{j≠own} v_j (v_j·u)/(λ_j − λ_own)`: eq. 14 with the pseudo-inverse on the complement of v_own, where the
-/// matrix printed there is singular. Eigenvalues of the normalised matrix make it S P u.
-fn pseudo_inverse<L: Lane, const D: usize>(pairs: &Eigen<L, D>, own: usize, u: Vector<L, D>) -> Vector<L, D> {
-    let mut sum = zero();
-    for j in (0..D).filter(|&j| j != own) {
-        let v = pairs.vectors[j];
-        sum = add_scaled(sum, v, dot(v, u) / (pairs.values[j] - pairs.values[own]));
-    }
-    sum
+    let inverse = weight.like(1.0) / weight;
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j] * inverse))
 }
 
 /// The axis with the sign of SPEC § 3.
+#[inline(always)]
 fn signed<L: Lane, const D: usize>(axis: Vector<L, D>, sums: &FrameSums<L, D>) -> Vector<L, D> {
-    let zero = L::splat(0.0);
+    let zero = axis[0].like(0.0);
     let mut largest = axis[0];
     for k in 1..D {
         largest = L::select(largest.abs().less(axis[k].abs()), axis[k], largest);
@@ -145,11 +134,12 @@ fn signed<L: Lane, const D: usize>(axis: Vector<L, D>, sums: &FrameSums<L, D>) -
     let along = dot(axis, sums.normals);
     // With no normal here, or exactly across, the component decides.
     let decisive = L::select(zero.less(along.abs()), along, largest);
-    let sign = L::select(decisive.less(zero), L::splat(-1.0), L::splat(1.0));
+    let sign = L::select(decisive.less(zero), zero.like(-1.0), zero.like(1.0));
     scale(axis, sign)
 }
 
 /// ∇f from the second pass (SPEC § 4; § 10 for the closed part).
+#[inline(always)]
 pub(crate) fn gradient<L: Lane, const D: usize>(
     frame: &Frame<L, D>,
     weight: L,
@@ -157,15 +147,13 @@ pub(crate) fn gradient<L: Lane, const D: usize>(
 ) -> Vector<L, D> {
     let n = frame.normal;
     let u = frame.aside;
-    let sum = scale(second, L::splat(1.0) / weight);
+    let sum = scale(second, weight.like(1.0) / weight);
     match frame.contraction {
         Contraction::AboutX { g } => {
             let f = -dot(n, u);
-            let closed = add_scaled(scale(n, L::splat(1.0) - dot(g, u)), g, f);
-            add_scaled(closed, sum, L::splat(1.0))
+            let closed = add_scaled(scale(n, weight.like(1.0) - dot(g, u)), g, f);
+            add(closed, sum)
         }
-        Contraction::Centred { .. } | Contraction::Normals { .. } | Contraction::Axes { .. } => {
-            add_scaled(n, sum, L::splat(1.0))
-        }
+        Contraction::Centred { .. } | Contraction::Normals { .. } | Contraction::Axes { .. } => add(n, sum),
     }
 }

@@ -27,6 +27,8 @@ pub(crate) struct Grid<const D: usize> {
     pub(crate) factors: Vec<f64>,
     /// Zero where absent; empty if the cloud has none.
     pub(crate) normals: Vec<[f64; D]>,
+    /// Which sample of the cloud each one is.
+    original: Vec<u32>,
     levels: Vec<Level<D>>,
 }
 
@@ -123,13 +125,42 @@ impl<const D: usize> Grid<D> {
             begin = range.end;
         }
         let points = entries.iter().map(|e| e.point).collect();
-        Self { unit, points, scales, uniform_scale, factors, normals, levels }
+        let original = entries.iter().map(|e| e.sample).collect();
+        Self { unit, points, scales, uniform_scale, factors, normals, original, levels }
     }
 
     /// Cell side of the level with most samples, in units of `unit`: queries are grouped by it.
     pub(crate) fn typical_side(&self) -> f64 {
         let count = |level: &&Level<D>| level.cells.len();
         self.levels.iter().max_by_key(count).map_or(2.0, |level| level.side)
+    }
+
+    /// The samples as queries, grouped by the cells they are in: no second search. The order names places in the grid.
+    pub(crate) fn group_samples(&self) -> (Vec<u32>, Vec<Group>) {
+        let mut grouping = Grouping::of(&self.points);
+        for level in &self.levels {
+            let cells = &level.cells;
+            // Cells of a level are few against its samples, so sorting them costs little.
+            let mut wide: Vec<([i64; D], u32)> =
+                (0..cells.along.len()).map(|i| (self.wide_cell(level, i), i as u32)).collect();
+            wide.sort_unstable_by(|a, b| compare_cells(a.0, b.0).then(a.1.cmp(&b.1)));
+            for cell in wide.chunk_by(|a, b| a.0 == b.0) {
+                grouping.add(
+                    cell.iter().flat_map(|&(_, i)| cells.begins[i as usize]..cells.begins[i as usize + 1]),
+                );
+            }
+        }
+        (grouping.order, grouping.groups)
+    }
+
+    /// The wide cell that holds the `i`-th cell of a level.
+    fn wide_cell(&self, level: &Level<D>, i: usize) -> [i64; D] {
+        cell_of(self.points[level.cells.begins[i] as usize], level.side * WIDE)
+    }
+
+    /// Which sample of the cloud each one is.
+    pub(crate) fn original(&self) -> &[u32] {
+        &self.original
     }
 
     /// Calls `visit` with ranges of samples, in canonical order, that contain every sample whose support meets the
@@ -274,32 +305,64 @@ impl<const D: usize> Cells<D> {
     }
 }
 
-/// Groups positions so that near ones stand together: by cells of the given side, then by halving.
+/// Nearby positions: what their blocks need is gathered once.
+#[derive(Debug)]
+pub(crate) struct Group {
+    /// Range of the order.
+    pub(crate) points: Range<usize>,
+    /// Its blocks, ranges of the order too.
+    pub(crate) blocks: Vec<Range<usize>>,
+}
+
+/// Queries are grouped inside cells this many times wider than the grid's, so that few blocks stay half empty.
+const WIDE: f64 = 4.0;
+/// Most positions of a group.
+const GROUP: usize = 64;
+/// Most positions of a block: the lanes of the widest vector unit.
+pub(crate) const BLOCK: usize = 8;
+
+/// Groups in the making.
+struct Grouping<'p, const D: usize> {
+    points: &'p [[f64; D]],
+    order: Vec<u32>,
+    groups: Vec<Group>,
+}
+
+impl<'p, const D: usize> Grouping<'p, D> {
+    fn of(points: &'p [[f64; D]]) -> Self {
+        Self { points, order: Vec::with_capacity(points.len()), groups: Vec::new() }
+    }
+
+    /// Halves the members of a cell into groups, and each group into blocks.
+    fn add(&mut self, members: impl Iterator<Item = u32>) {
+        let begin = self.order.len();
+        self.order.extend(members);
+        let mut ranges = Vec::new();
+        halve(self.points, &mut self.order[begin..], begin, GROUP, &mut ranges);
+        for points in ranges {
+            let mut blocks = Vec::with_capacity(GROUP / BLOCK);
+            halve(self.points, &mut self.order[points.clone()], points.start, BLOCK, &mut blocks);
+            self.groups.push(Group { points, blocks });
+        }
+    }
+}
+
+/// Groups positions so that near ones stand together: by wide cells, then by halving.
 ///
-/// Returns the order and the blocks: ranges of it, each with at most `most` positions of one cell. Positions that
-/// are not representable make the last blocks.
-pub(crate) fn group<const D: usize>(
-    points: &[[f64; D]],
-    side: f64,
-    most: usize,
-    run: &Run<'_>,
-) -> (Vec<u32>, Vec<Range<usize>>) {
+/// Returns the order and the groups. Positions that are not representable make the last ones.
+pub(crate) fn group<const D: usize>(points: &[[f64; D]], side: f64, run: &Run<'_>) -> (Vec<u32>, Vec<Group>) {
     let key = |point: [f64; D]| {
         let usable = point.iter().all(|c| c.abs() < LARGEST_COORDINATE);
-        if usable { cell_of(point, side) } else { [i64::MAX; D] }
+        if usable { cell_of(point, side * WIDE) } else { [i64::MAX; D] }
     };
     let mut keyed: Vec<([i64; D], u32)> =
         points.iter().enumerate().map(|(i, &p)| (key(p), i as u32)).collect();
     run.sort(&mut keyed, |a, b| compare_cells(a.0, b.0).then(a.1.cmp(&b.1)));
-
-    let mut blocks = Vec::with_capacity(points.len().div_ceil(most));
-    let mut order: Vec<u32> = Vec::with_capacity(points.len());
+    let mut grouping = Grouping::of(points);
     for cell in keyed.chunk_by(|a, b| a.0 == b.0) {
-        let begin = order.len();
-        order.extend(cell.iter().map(|entry| entry.1));
-        halve(points, &mut order[begin..], begin, most, &mut blocks);
+        grouping.add(cell.iter().map(|entry| entry.1));
     }
-    (order, blocks)
+    (grouping.order, grouping.groups)
 }
 
 /// Halves along the longest axis until a group is small enough.
@@ -393,7 +456,8 @@ mod tests {
         let mut points = random_cloud::<3>(5000, 10.0, 8);
         points.extend(vec![[1.0; 3]; 100]);
         points.push([f64::NAN; 3]);
-        let (mut order, blocks) = group(&points, 2.0, 8, &Run::new());
+        let (mut order, groups) = group(&points, 2.0, &Run::new());
+        let blocks: Vec<Range<usize>> = groups.into_iter().flat_map(|g| g.blocks).collect();
         assert!(blocks.iter().all(|b| !b.is_empty() && b.len() <= 8));
         assert_eq!(blocks.iter().map(ExactSizeIterator::len).sum::<usize>(), points.len());
         order.sort_unstable();

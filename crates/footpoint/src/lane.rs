@@ -1,5 +1,6 @@
 //! The scalar that kernels and algebra compute with: one number, several lanes, or a dual number.
 
+use fearless_simd::prelude::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// One value in every lane of a block.
@@ -11,8 +12,19 @@ pub(crate) trait Lane:
 {
     /// One truth value a lane.
     type Mask: Copy;
+    /// Proof that the processor has the lanes' instructions; nothing at run time.
+    type Token: Copy;
+    /// Number of lanes.
+    const WIDTH: usize;
 
-    fn splat(value: f64) -> Self;
+    fn splat(token: Self::Token, value: f64) -> Self;
+    fn from_fn(token: Self::Token, value: impl FnMut(usize) -> f64) -> Self;
+    fn token(self) -> Self::Token;
+    /// The value of one lane.
+    fn get(self, lane: usize) -> f64;
+    /// `self · factor + addend` in one rounding, where the processor can; everywhere else in two. Machines of either
+    /// kind agree among themselves.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
     fn sqrt(self) -> Self;
     /// The nearest integer; a dual number keeps no derivative of it.
     fn round(self) -> Self;
@@ -23,11 +35,19 @@ pub(crate) trait Lane:
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     fn none(mask: Self::Mask) -> bool;
 
+    /// `value` in as many lanes.
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        Self::splat(self.token(), value)
+    }
+
+    #[inline(always)]
     fn abs(self) -> Self {
-        Self::select(self.less(Self::splat(0.0)), -self, self)
+        Self::select(self.less(self.like(0.0)), -self, self)
     }
 
     /// The larger of both; `other` where `self` is NaN.
+    #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self::select(other.less(self), self, other)
     }
@@ -35,10 +55,31 @@ pub(crate) trait Lane:
 
 impl Lane for f64 {
     type Mask = bool;
+    type Token = ();
+    const WIDTH: usize = 1;
 
     #[inline(always)]
-    fn splat(value: f64) -> Self {
+    fn splat((): (), value: f64) -> Self {
         value
+    }
+
+    #[inline(always)]
+    fn from_fn((): (), mut value: impl FnMut(usize) -> f64) -> Self {
+        value(0)
+    }
+
+    #[inline(always)]
+    fn token(self) {}
+
+    #[inline(always)]
+    fn get(self, _: usize) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        // Fused only in the vector lanes: without the instruction it would be a slow call.
+        self * factor + addend
     }
 
     #[inline(always)]
@@ -81,13 +122,102 @@ pub(crate) fn exp_of_negative<L: Lane>(x: L) -> L {
     // ln 2 in two parts: k times the first is exact for |k| < 2^11.
     const LN2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
     const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
-    let k = (x * L::splat(std::f64::consts::LOG2_E)).round();
-    let r = (x - k * L::splat(LN2_HIGH)) - k * L::splat(LN2_LOW);
-    let mut sum = L::splat(1.0);
+    let k = (x * x.like(std::f64::consts::LOG2_E)).round();
+    let r = (x - k * x.like(LN2_HIGH)) - k * x.like(LN2_LOW);
+    let mut sum = x.like(1.0);
     for term in (1..=13).rev() {
-        sum = L::splat(1.0) + sum * r * L::splat(1.0 / f64::from(term));
+        sum = (sum * x.like(1.0 / f64::from(term))).mul_add(r, x.like(1.0));
     }
     sum * k.power_of_two()
+}
+
+/// The native vector of a processor level.
+#[derive(Clone, Copy)]
+pub(crate) struct Lanes<S: Simd>(S::f64s);
+
+macro_rules! operator {
+    ($name:ident, $method:ident) => {
+        impl<S: Simd> $name for Lanes<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self($name::$method(self.0, other.0))
+            }
+        }
+    };
+}
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl<S: Simd> Neg for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl<S: Simd> Lane for Lanes<S> {
+    type Mask = S::mask64s;
+    type Token = S;
+    const WIDTH: usize = S::f64s::LEN;
+
+    #[inline(always)]
+    fn splat(token: S, value: f64) -> Self {
+        Self(S::f64s::splat(token, value))
+    }
+
+    #[inline(always)]
+    fn from_fn(token: S, value: impl FnMut(usize) -> f64) -> Self {
+        Self(S::f64s::from_fn(token, value))
+    }
+
+    #[inline(always)]
+    fn token(self) -> S {
+        self.0.token()
+    }
+
+    #[inline(always)]
+    fn get(self, lane: usize) -> f64 {
+        self.0.as_slice()[lane]
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        Self(self.0.mul_add(factor.0, addend.0))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+
+    #[inline(always)]
+    fn round(self) -> Self {
+        Self(self.0.round_ties_even())
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self::from_fn(self.token(), |lane| self.get(lane).power_of_two())
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> S::mask64s {
+        self.0.simd_lt(other.0)
+    }
+
+    #[inline(always)]
+    fn select(mask: S::mask64s, yes: Self, no: Self) -> Self {
+        Self(mask.select(yes.0, no.0))
+    }
+
+    #[inline(always)]
+    fn none(mask: S::mask64s) -> bool {
+        mask.all_false()
+    }
 }
 
 #[cfg(test)]
@@ -134,18 +264,30 @@ pub(crate) mod tests {
     }
     impl Lane for Dual {
         type Mask = bool;
-        fn splat(value: f64) -> Self {
+        type Token = ();
+        const WIDTH: usize = 1;
+        fn splat((): (), value: f64) -> Self {
             Self { value, slope: 0.0 }
+        }
+        fn from_fn((): (), mut value: impl FnMut(usize) -> f64) -> Self {
+            Self::splat((), value(0))
+        }
+        fn token(self) {}
+        fn get(self, _: usize) -> f64 {
+            self.value
+        }
+        fn mul_add(self, factor: Self, addend: Self) -> Self {
+            self * factor + addend
         }
         fn sqrt(self) -> Self {
             let value = self.value.sqrt();
             Self { value, slope: if value > 0.0 { self.slope / (2.0 * value) } else { 0.0 } }
         }
         fn round(self) -> Self {
-            Self::splat(self.value.round_ties_even())
+            self.like(self.value.round_ties_even())
         }
         fn power_of_two(self) -> Self {
-            Self::splat(self.value.power_of_two())
+            self.like(self.value.power_of_two())
         }
         fn less(self, other: Self) -> bool {
             self.value < other.value

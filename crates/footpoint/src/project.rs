@@ -154,8 +154,9 @@ impl<const D: usize> Running<'_, D> {
         how: &Project,
     ) -> Result<Projections<D>, Cancelled> {
         let surface = self.surface;
-        let points = points.into().points(surface);
-        let grouped = Grouped::new(surface, points, self.run);
+        let queries = points.into();
+        let points = queries.points(surface);
+        let grouped = Grouped::new(surface, queries, self.run);
         let rows = points.len();
         let moved = Numbers::<D>::new(rows, true);
         let surface_normal = Numbers::<D>::new(rows, true);
@@ -165,9 +166,8 @@ impl<const D: usize> Running<'_, D> {
         let evaluations = Counts::new(rows, true);
         let status = Statuses::new(rows);
 
-        let state = || Evaluator::new(&surface.grid, &surface.definition);
-        self.run.for_each_block(&grouped.blocks, state, |evaluator, range| {
-            let block = grouped.block(range);
+        let margin = if surface.support().uniform { MARGIN * surface.grid.uniform_scale } else { 0.0 };
+        grouped.for_each_block(surface, self.run, margin, |evaluator, block| {
             let mut moving = [Moving::new(Position::at([0.0; D])); BLOCK];
             for (moving, position) in moving.iter_mut().zip(block.positions()) {
                 *moving = Moving::new(*position);
@@ -338,28 +338,24 @@ fn iterate<const D: usize>(
     attempts: i32,
     mut observe: impl FnMut(&Position<f64, D>, &Local<D>),
 ) {
-    // Where supports differ the first list is narrow, until they are known here.
-    evaluator.set_margin(MARGIN * evaluator.uniform_support().unwrap_or(0.0));
     let mut under_way: Vec<usize> = (0..points.len()).collect();
-    let mut locals = [Local::NOWHERE; BLOCK];
     while !under_way.is_empty() {
         let mut positions = [Position::at([0.0; D]); BLOCK];
         for (position, &i) in positions.iter_mut().zip(&under_way) {
             *position = points[i].position;
         }
-        evaluator.evaluate(&positions[..under_way.len()], Depth::Gradient, &mut locals);
-        if evaluator.uniform_support().is_none() {
-            // The smallest of the block: where supports differ by orders of magnitude, a wider list would hold
-            // thousands of samples too many. Where there is none nothing moves.
-            let supports = locals[..under_way.len()].iter().map(|local| local.support);
-            let smallest = supports.fold(f64::INFINITY, f64::min);
-            evaluator.set_margin(if smallest.is_finite() { MARGIN * smallest } else { 0.0 });
-        }
+        let locals = evaluator.evaluate(&positions[..under_way.len()], Depth::Gradient);
+        // The smallest support of the block: where they differ by orders of magnitude, a list for the largest would
+        // hold thousands of samples too many. Where there is none nothing moves.
+        let smallest = locals.iter().map(|local| local.support).fold(f64::INFINITY, f64::min);
         let mut locals = locals.iter();
         under_way.retain(|&i| {
             let Some(local) = locals.next() else { return false };
             observe(&points[i].position, local);
             points[i].advance(*local, how, attempts)
         });
+        if smallest.is_finite() && evaluator.uniform_support().is_none() {
+            evaluator.set_margin(MARGIN * smallest);
+        }
     }
 }

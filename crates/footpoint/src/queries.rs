@@ -1,9 +1,11 @@
 //! Where to ask, and how queries are put into blocks of near ones.
 
-use crate::evaluator::{BLOCK, Position};
-use crate::grid::group;
-use crate::run::Run;
+use crate::algebra::scale;
+use crate::evaluator::{BLOCK, Evaluator, Position};
+use crate::grid::{Group, group};
+use crate::run::{Cancelled, Run};
 use crate::surface::Surface;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Where to ask.
@@ -44,10 +46,12 @@ impl<'a, const D: usize> Queries<'a, D> {
 }
 
 /// Queries in units of the grid, grouped into blocks of near ones.
-pub(crate) struct Grouped<const D: usize> {
-    points: Vec<[f64; D]>,
+pub(crate) struct Grouped<'q, const D: usize> {
+    points: Cow<'q, [[f64; D]]>,
+    /// Row of each point in the output, where that is not its own place.
+    rows: Option<&'q [u32]>,
     order: Vec<u32>,
-    pub(crate) blocks: Vec<Range<usize>>,
+    groups: Vec<Group>,
 }
 
 /// The valid queries of one block.
@@ -57,21 +61,54 @@ pub(crate) struct Block<const D: usize> {
     len: usize,
 }
 
-impl<const D: usize> Grouped<D> {
-    pub(crate) fn new(surface: &Surface<D>, points: &[[f64; D]], run: &Run<'_>) -> Self {
-        let inverse = 1.0 / surface.grid.unit;
-        let points: Vec<[f64; D]> = points.iter().map(|p| p.map(|c| c * inverse)).collect();
-        let (order, blocks) = group(&points, surface.grid.typical_side(), BLOCK, run);
-        Self { points, order, blocks }
+impl<'q, const D: usize> Grouped<'q, D> {
+    pub(crate) fn new(surface: &'q Surface<D>, queries: Queries<'q, D>, run: &Run<'_>) -> Self {
+        let grid = &surface.grid;
+        match queries {
+            // The grid knows the samples that take part; where some do not, they are asked about like any point.
+            Queries::Samples if grid.points.len() == surface.cloud.len() => {
+                let (order, groups) = grid.group_samples();
+                Self { points: Cow::Borrowed(&grid.points), rows: Some(grid.original()), order, groups }
+            }
+            _ => {
+                let points = queries.points(surface);
+                let inverse = 1.0 / grid.unit;
+                let points: Vec<[f64; D]> = points.iter().map(|p| scale(*p, inverse)).collect();
+                let (order, groups) = group(&points, grid.typical_side(), run);
+                Self { points: Cow::Owned(points), rows: None, order, groups }
+            }
+        }
+    }
+
+    /// Calls `work` for every block, in parallel over the groups, each thread with an evaluator of its own whose lists
+    /// let positions move by `margin`.
+    pub(crate) fn for_each_block(
+        &self,
+        surface: &Surface<D>,
+        run: &Run<'_>,
+        margin: f64,
+        work: impl Fn(&mut Evaluator<'_, D>, &Block<D>) + Sync + Send,
+    ) -> Result<(), Cancelled> {
+        let state = || Evaluator::new(&surface.grid, &surface.definition);
+        let points = |group: &Group| group.points.clone();
+        run.for_each_group(&self.groups, points, state, |evaluator, group| {
+            let places = self.order[group.points.clone()].iter();
+            let positions = places.map(|&place| Position::at(self.points[place as usize]));
+            evaluator.set_margin(margin);
+            evaluator.enter(positions.filter(|position| position.is_representable()));
+            for block in &group.blocks {
+                work(evaluator, &self.block(block.clone()));
+            }
+        })
     }
 
     /// The block's queries without the invalid ones.
-    pub(crate) fn block(&self, range: Range<usize>) -> Block<D> {
+    fn block(&self, range: Range<usize>) -> Block<D> {
         let mut block = Block { rows: [0; BLOCK], positions: [Position::at([0.0; D]); BLOCK], len: 0 };
-        for &row in &self.order[range] {
-            let position = Position::at(self.points[row as usize]);
+        for &place in &self.order[range] {
+            let position = Position::at(self.points[place as usize]);
             if position.is_representable() {
-                block.rows[block.len] = row as usize;
+                block.rows[block.len] = self.rows.map_or(place, |rows| rows[place as usize]) as usize;
                 block.positions[block.len] = position;
                 block.len += 1;
             }

@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Blocks that one thread takes at a time: enough to hide the bookkeeping, few enough to share evenly.
+/// Groups that one thread takes at a time: enough to hide the bookkeeping, few enough to share evenly.
 #[cfg(feature = "threads")]
-const BLOCKS_AT_A_TIME: usize = 64;
+const GROUPS_AT_A_TIME: usize = 16;
 
 /// How to run: who does not care takes the default (all cores, silent, not cancellable).
 ///
@@ -69,23 +69,25 @@ impl<'r> Run<'r> {
         }
     }
 
-    /// Calls `work` for every block, each thread with a state of its own from `state`.
-    pub(crate) fn for_each_block<S>(
+    /// Calls `work` for every group of points, each thread with a state of its own from `state`. Groups are ranges
+    /// of points with something more.
+    pub(crate) fn for_each_group<S, G: Sync>(
         &self,
-        blocks: &[Range<usize>],
+        groups: &[G],
+        points: impl Fn(&G) -> Range<usize> + Sync + Send,
         state: impl Fn() -> S + Sync + Send,
-        work: impl Fn(&mut S, Range<usize>) + Sync + Send,
+        work: impl Fn(&mut S, &G) + Sync + Send,
     ) -> Result<(), Cancelled> {
-        let total = blocks.last().map_or(0, |block| block.end);
+        let total = groups.last().map_or(0, |group| points(group).end);
         let done = AtomicUsize::new(0);
-        let several = |state: &mut S, blocks: &[Range<usize>]| {
+        let several = |state: &mut S, groups: &[G]| {
             self.check()?;
-            let mut points = 0;
-            for block in blocks {
-                work(state, block.clone());
-                points += block.len();
+            let mut finished = 0;
+            for group in groups {
+                work(state, group);
+                finished += points(group).len();
             }
-            let done = done.fetch_add(points, Ordering::Relaxed) + points;
+            let done = done.fetch_add(finished, Ordering::Relaxed) + finished;
             if let Some(report) = self.progress {
                 report(Progress { done, total });
             }
@@ -95,13 +97,13 @@ impl<'r> Run<'r> {
         {
             use rayon::prelude::*;
             self.install(|| {
-                blocks.par_chunks(BLOCKS_AT_A_TIME).with_max_len(16).try_for_each_init(state, several)
+                groups.par_chunks(GROUPS_AT_A_TIME).with_max_len(16).try_for_each_init(state, several)
             })
         }
         #[cfg(not(feature = "threads"))]
         {
             let mut state = state();
-            blocks.chunks(64).try_for_each(|chunk| several(&mut state, chunk))
+            groups.chunks(16).try_for_each(|chunk| several(&mut state, chunk))
         }
     }
 
@@ -216,11 +218,12 @@ mod tests {
                 last.fetch_max(p.done, Ordering::Relaxed);
             };
             let run = Run::new().threads(threads).progress(&report);
-            run.for_each_block(
+            run.for_each_group(
                 &blocks(1000),
+                Range::clone,
                 || (),
                 |(), block| {
-                    for i in block {
+                    for i in block.clone() {
                         seen.lock().unwrap()[i] += 1;
                     }
                 },
@@ -235,8 +238,9 @@ mod tests {
     fn cancelling_stops_the_work() {
         let flag = AtomicBool::new(false);
         let done = AtomicUsize::new(0);
-        let result = Run::new().threads(1).cancel(&flag).for_each_block(
+        let result = Run::new().threads(1).cancel(&flag).for_each_group(
             &blocks(100_000),
+            Range::clone,
             || (),
             |(), _| {
                 done.fetch_add(1, Ordering::Relaxed);

@@ -104,11 +104,11 @@ impl<const M: usize> Kernel for Poly<M> {
     }
     #[inline(always)]
     fn theta<L: Lane>(self, s2: L) -> L {
-        power((L::splat(1.0) - s2).max(L::splat(0.0)), M)
+        power((s2.like(1.0) - s2).max(s2.like(0.0)), M)
     }
     #[inline(always)]
     fn psi<L: Lane>(self, s2: L) -> L {
-        power((L::splat(1.0) - s2).max(L::splat(0.0)), M - 1) * L::splat(-2.0 * M as f64)
+        power((s2.like(1.0) - s2).max(s2.like(0.0)), M - 1) * s2.like(-2.0 * M as f64)
     }
 }
 
@@ -119,11 +119,11 @@ impl Kernel for Wendland {
     #[inline(always)]
     fn theta<L: Lane>(self, s2: L) -> L {
         let s = s2.sqrt();
-        power((L::splat(1.0) - s).max(L::splat(0.0)), 4) * (s * L::splat(4.0) + L::splat(1.0))
+        power((s2.like(1.0) - s).max(s2.like(0.0)), 4) * (s * s2.like(4.0) + s2.like(1.0))
     }
     #[inline(always)]
     fn psi<L: Lane>(self, s2: L) -> L {
-        power((L::splat(1.0) - s2.sqrt()).max(L::splat(0.0)), 3) * L::splat(-20.0)
+        power((s2.like(1.0) - s2.sqrt()).max(s2.like(0.0)), 3) * s2.like(-20.0)
     }
 }
 
@@ -133,12 +133,12 @@ impl Kernel for Gaussian {
     }
     #[inline(always)]
     fn theta<L: Lane>(self, s2: L) -> L {
-        let inside = s2.less(L::splat(self.end()));
-        L::select(inside, exp_of_negative(-L::select(inside, s2, L::splat(0.0))), L::splat(0.0))
+        let inside = s2.less(s2.like(self.end()));
+        L::select(inside, exp_of_negative(-L::select(inside, s2, s2.like(0.0))), s2.like(0.0))
     }
     #[inline(always)]
     fn psi<L: Lane>(self, s2: L) -> L {
-        self.theta(s2) * L::splat(-2.0)
+        self.theta(s2) * s2.like(-2.0)
     }
 }
 

@@ -7,5 +7,6 @@ mod sums;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use block::{BLOCK, Candidates, Position};
+pub(crate) use crate::grid::BLOCK;
+pub(crate) use block::{Candidates, Position};
 pub(crate) use sums::{Contraction, Frame, FrameSums, Needs, first_pass, second_pass};

@@ -49,39 +49,38 @@ fn constants<const D: usize>(list: &Candidates<D>, j: usize) -> (f64, f64) {
 }
 
 /// Pass one over all candidates.
-#[inline]
+#[inline(always)]
 pub(crate) fn first_pass<L: Lane, K: Kernel, const D: usize>(
     kernel: K,
     list: &Candidates<D>,
     x: Position<L, D>,
     needs: Needs,
 ) -> FrameSums<L, D> {
-    let nought = L::splat(0.0);
+    let token = x.anchor[0].token();
+    let nought = L::splat(token, 0.0);
     let mut sums = FrameSums {
         weight: nought,
         squares: nought,
-        first: zero(),
-        second: [zero(); D],
-        normals: zero(),
-        axes: [zero(); D],
+        first: zero(token),
+        second: [zero(token); D],
+        normals: zero(token),
+        axes: [zero(token); D],
         scales: nought,
         neighbours: nought,
         inside: nought,
     };
-    let one = L::splat(1.0);
-    let end = L::splat(kernel.end());
-    let domain = L::splat(kernel.end() * needs.domain);
-    for (j, &point) in list.points.iter().enumerate() {
-        let d = x.to_sample(point);
+    let one = L::splat(token, 1.0);
+    let end = L::splat(token, kernel.end());
+    let domain = L::splat(token, kernel.end() * needs.domain);
+    for &place in list.indices() {
+        let j = place as usize;
+        let d = x.to_sample(list.points[j]);
         let (inverse, factor) = constants(list, j);
-        let s2 = dot(d, d) * L::splat(inverse);
+        let s2 = dot(d, d) * nought.like(inverse);
         let near = s2.less(end);
-        if L::none(near) {
-            continue;
-        }
-        let theta = kernel.theta(s2) * L::splat(factor);
+        let theta = kernel.theta(s2) * s2.like(factor);
         sums.weight = sums.weight + theta;
-        sums.squares = sums.squares + theta * theta;
+        sums.squares = theta.mul_add(theta, sums.squares);
         sums.first = add_scaled(sums.first, d, theta);
         sums.neighbours = sums.neighbours + L::select(near, one, nought);
         sums.inside = sums.inside + L::select(s2.less(domain), one, nought);
@@ -89,10 +88,10 @@ pub(crate) fn first_pass<L: Lane, K: Kernel, const D: usize>(
             add_outer_upper(&mut sums.second, d, theta);
         }
         if let Some(scale) = list.scales.get(j) {
-            sums.scales = sums.scales + theta * L::splat(*scale);
+            sums.scales = theta.mul_add(theta.like(*scale), sums.scales);
         }
         if let Some(normal) = list.normals.get(j) {
-            let normal = normal.map(L::splat);
+            let normal = std::array::from_fn(|k| theta.like(normal[k]));
             sums.normals = add_scaled(sums.normals, normal, theta);
             if needs.axes {
                 add_outer_upper(&mut sums.axes, normal, theta);
@@ -100,7 +99,7 @@ pub(crate) fn first_pass<L: Lane, K: Kernel, const D: usize>(
         }
     }
     if list.scales.is_empty() {
-        sums.scales = sums.weight * L::splat(list.uniform_scale);
+        sums.scales = sums.weight * nought.like(list.uniform_scale);
     }
     sums.second = mirror(sums.second);
     sums.axes = mirror(sums.axes);
@@ -140,7 +139,7 @@ pub(crate) struct Frame<L, const D: usize> {
 }
 
 /// Pass two over all candidates; the match over definitions stands outside the loop.
-#[inline]
+#[inline(always)]
 pub(crate) fn second_pass<L: Lane, K: Kernel, const D: usize>(
     kernel: K,
     list: &Candidates<D>,
@@ -151,8 +150,11 @@ pub(crate) fn second_pass<L: Lane, K: Kernel, const D: usize>(
     let n = frame.normal;
     let u = frame.aside;
     let f = -dot(n, u);
-    let one = L::splat(1.0);
-    let normal_of = |j: usize| list.normals.get(j).copied().unwrap_or([0.0; D]).map(L::splat);
+    let one = f.like(1.0);
+    let normal_of = |j: usize| -> Vector<L, D> {
+        let normal = list.normals.get(j).copied().unwrap_or([0.0; D]);
+        std::array::from_fn(|k| f.like(normal[k]))
+    };
     match frame.contraction {
         Contraction::Centred { g } => {
             let gu = one + dot(g, u);
@@ -186,20 +188,19 @@ fn contract<L: Lane, K: Kernel, const D: usize>(
     c: impl Fn(usize, Vector<L, D>) -> L,
     t: impl Fn(Vector<L, D>) -> Vector<L, D>,
 ) -> SecondSums<L, D> {
-    let mut sums = SecondSums { gradient: zero(), sensitivity: L::splat(0.0) };
-    let end = L::splat(kernel.end());
-    for (j, &point) in list.points.iter().enumerate() {
-        let d = x.to_sample(point);
+    let token = x.anchor[0].token();
+    let nought = L::splat(token, 0.0);
+    let mut sums = SecondSums { gradient: zero(token), sensitivity: nought };
+    for &place in list.indices() {
+        let j = place as usize;
+        let d = x.to_sample(list.points[j]);
         let (inverse, factor) = constants(list, j);
-        let s2 = dot(d, d) * L::splat(inverse);
-        if L::none(s2.less(end)) {
-            continue;
-        }
-        let psi = kernel.psi(s2) * L::splat(factor * inverse);
+        let s2 = dot(d, d) * nought.like(inverse);
+        let psi = kernel.psi(s2) * s2.like(factor * inverse);
         let part = scale(d, psi * c(j, d));
         sums.gradient = add(sums.gradient, part);
         if needs.sensitivity {
-            let theta = kernel.theta(s2) * L::splat(factor);
+            let theta = kernel.theta(s2) * s2.like(factor);
             let whole = add_scaled(part, t(d), theta);
             sums.sensitivity = sums.sensitivity + dot(whole, whole);
         }

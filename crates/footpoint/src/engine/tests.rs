@@ -5,7 +5,7 @@ use super::{BLOCK, Candidates, Needs, Position, first_pass, second_pass};
 use crate::algebra::{dot, length, scale, sub};
 use crate::cloud::Cloud;
 use crate::definition::Definition;
-use crate::evaluator::{Depth, Evaluator, Local};
+use crate::evaluator::{Depth, Evaluator};
 use crate::field::{NormalField, fit, gradient};
 use crate::grid::Grid;
 use crate::lane::tests::Dual;
@@ -13,6 +13,7 @@ use crate::run::Run;
 use crate::samples::Random;
 use crate::support::Radii;
 use crate::weight::{Weight, with_kernel};
+use fearless_simd::Level;
 
 const FIELDS: [NormalField; 4] = [
     NormalField::Covariance,
@@ -89,9 +90,8 @@ fn agrees_with_the_oracle<const D: usize>() {
             let centre: [f64; D] = std::array::from_fn(|k| if k == D - 1 { 0.1 } else { random.uniform() });
             let positions: [Position<f64, D>; BLOCK] =
                 std::array::from_fn(|_| Position::at(centre.map(|c| c + 0.3 * (random.uniform() - 0.5))));
-            let mut found = [Local::NOWHERE; BLOCK];
-            evaluator.evaluate(&positions, Depth::Sensitivity, &mut found);
-            for (position, local) in positions.iter().zip(&found) {
+            let found = evaluator.evaluate(&positions, Depth::Sensitivity);
+            for (position, local) in positions.iter().zip(found) {
                 assert!(local.status.is_ok());
                 if local.gap < 0.1 {
                     continue;
@@ -138,7 +138,7 @@ fn dual_lanes_give_the_gradient<const D: usize>() {
             x[D - 1] = 0.2 * random.uniform();
             let direction: [f64; D] = std::array::from_fn(|_| random.normal());
             let position = Position::at(x);
-            list.gather(&grid, &[position], 0.0, weight.reach());
+            list.cover(&grid, &[position], 0.0, weight.reach(), Level::new());
             let dual: [Dual; D] = std::array::from_fn(|k| Dual { value: x[k], slope: direction[k] });
             let (f, steepness, slopes, gap) = with_kernel!(weight, kernel => {
                 let sums = first_pass(kernel, &list, position, needs);
@@ -184,7 +184,7 @@ fn second_derivatives_come_from_the_code_of_the_first() {
         let needs = Needs { second: true, axes: true, sensitivity: false, domain: 1.0 };
         let x = [0.1, -0.2, 0.15];
         let mut list = Candidates::new();
-        list.gather(&grid, &[Position::at(x)], 0.0, 1.0);
+        list.cover(&grid, &[Position::at(x)], 0.0, 1.0, Level::new());
         let hessian: [[f64; 3]; 3] = std::array::from_fn(|row| {
             let dual = Position::at(std::array::from_fn(|k| Dual {
                 value: x[k],
@@ -204,4 +204,33 @@ fn second_derivatives_come_from_the_code_of_the_first() {
             assert!(skew < 1e-11, "{field:?}: {skew:e} in {hessian:?}");
         }
     }
+}
+
+#[test]
+fn vector_levels_with_fused_multiply_adds_give_the_same_bits() {
+    let best = Level::new();
+    let Some(narrow) = best.as_avx2().map(Level::Avx2) else { return };
+    let mut random = Random::new(14);
+    every_setting(|weight, field, per_sample, factors| {
+        let (_, grid) = cloud::<3>(&mut random, weight, per_sample, factors);
+        let definition = Definition::new().with_weight(weight).with_field(field);
+        let mut wide = Evaluator::new(&grid, &definition).with_level(best);
+        let mut narrow = Evaluator::new(&grid, &definition).with_level(narrow);
+        for count in 1..=BLOCK {
+            let positions: Vec<Position<f64, 3>> =
+                (0..count).map(|_| Position::at([random.uniform(), random.uniform(), 0.1])).collect();
+            let wide = wide.evaluate(&positions, Depth::Sensitivity);
+            let narrow = narrow.evaluate(&positions, Depth::Sensitivity);
+            for (a, b) in wide.iter().zip(narrow) {
+                assert_eq!(a.status, b.status);
+                assert_eq!(
+                    a.gradient.map(f64::to_bits),
+                    b.gradient.map(f64::to_bits),
+                    "{weight:?} {field:?}"
+                );
+                assert_eq!(a.value.to_bits(), b.value.to_bits());
+                assert_eq!(a.sensitivity.to_bits(), b.sensitivity.to_bits());
+            }
+        }
+    });
 }
