@@ -23,7 +23,7 @@ pub(crate) struct Eigen<L, const D: usize> {
 /// The smallest eigenvalue's pair of a positive semidefinite matrix, for entries of any magnitude.
 ///
 /// In 3-D Laguerre's iteration from below, three steps and one of Newton's, gives the eigenvalue; the largest column
-/// of the adjugate the vector; its Rayleigh quotient a better value and the column once more. Lanes whose
+/// of the adjugate the vector; its Rayleigh quotient a better value and the column again, twice. Lanes whose
 /// gap is small go to Jacobi's method instead, lane by lane, so that a neighbour lane changes nothing.
 #[inline(always)]
 pub(crate) fn smallest<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigenpair<L, D> {
@@ -75,8 +75,9 @@ fn smallest_of_two<L: Lane, const D: usize>(a: Matrix<L, D>) -> Eigenpair<L, D> 
     }
 }
 
-/// Gaps below this share of the trace go to Jacobi's method; there the column has lost four digits.
-const SMALL_GAP: f64 = 1e-4;
+/// Gaps below this share of the trace go to Jacobi's method: near a double root Laguerre's iteration is slow, and the
+/// steps below do not suffice. With a quarter of it the worst of 30,000 random matrices is off by 1e-12, not 1e-14.
+const SMALL_GAP: f64 = 2e-2;
 
 #[inline(always)]
 fn smallest_of_three<L: Lane, const D: usize>(a: Matrix<L, D>) -> Eigenpair<L, D> {
@@ -104,11 +105,13 @@ fn smallest_of_three<L: Lane, const D: usize>(a: Matrix<L, D>) -> Eigenpair<L, D
     let (p, slope) = value_and_slope(x);
     x = L::select(zero.less(slope), x - p / slope, x);
 
-    let vector = column_of_adjugate(a, x);
-    let refined = dot(vector, product(a, vector));
-    // Where every column vanishes there is no vector yet; the gap is small there.
-    x = L::select(refined.abs().less(number(2.0)), refined, x);
-    let vector = column_of_adjugate(a, x);
+    let mut vector = column_of_adjugate(a, x);
+    for _ in 0..2 {
+        let refined = dot(vector, product(a, vector));
+        // Where every column vanishes there is no vector yet; the gap is small there.
+        x = L::select(refined.abs().less(number(2.0)), refined, x);
+        vector = column_of_adjugate(a, x);
+    }
     let [middle, largest] = values_across(a, vector);
     // NaN, where there is no vector, is no good gap either.
     let good = number(SMALL_GAP).less(middle - x);
@@ -328,6 +331,58 @@ mod tests {
                 check([[r[0], r[1], r[2]], [r[1], r[3], r[4]], [r[2], r[4], r[5]]]);
             }
         }
+    }
+
+    /// The closed forms against Jacobi's method, for A = Σ r rᵀ with the last axis shrunk: gaps of every size.
+    fn closed_forms_agree<const D: usize>() {
+        let mut random = Random::new(2);
+        for magnitude in [1e-100, 1e-8, 1.0, 1e8, 1e100] {
+            for flat in [0.0, 1e-12, 1e-6, 1e-3, 0.3, 1.0] {
+                for _ in 0..500 {
+                    let mut a = [[0.0; D]; D];
+                    for _ in 0..4 {
+                        let mut r: [f64; D] = std::array::from_fn(|_| random.uniform() - 0.5);
+                        r[D - 1] = flat * r[D - 1] + 0.1 * r[0];
+                        crate::algebra::add_outer_upper(&mut a, r, magnitude);
+                    }
+                    let a = crate::algebra::mirror(a);
+                    let exact = eigen(a);
+                    let size = exact.values[D - 1];
+                    for (pair, own) in [(smallest(a), 0), (largest(a), D - 1)] {
+                        for k in 0..D {
+                            let error = (pair.values[k] - exact.values[k]).abs() / size;
+                            assert!(error <= 1e-14, "value {k} of {own}: {error:e} in {a:?}");
+                        }
+                        let beside = if own == 0 { exact.values[1] } else { exact.values[D - 2] };
+                        let gap = (exact.values[own] - beside).abs() / size;
+                        let along = dot(pair.vector, exact.vectors[own]).abs();
+                        let aside = (1.0 - along * along).abs().sqrt();
+                        assert!(gap < 1e-6 || aside < 1e-7, "{aside:e} at gap {gap:e}: {a:?}");
+                        if gap > 1e-3 {
+                            let u: [f64; D] = std::array::from_fn(|_| random.uniform() - 0.5);
+                            let found = pseudo_inverse(a, exact.values[own], exact.vectors[own], u);
+                            for (k, found) in found.into_iter().enumerate() {
+                                let expected: f64 = (0..D)
+                                    .filter(|&j| j != own)
+                                    .map(|j| {
+                                        let v = exact.vectors[j];
+                                        v[k] * dot(v, u) / (exact.values[j] - exact.values[own])
+                                    })
+                                    .sum();
+                                let bound = 1e-13 / (gap * gap * size);
+                                assert!((found - expected).abs() <= bound, "{found} {expected} {gap}");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn closed_forms_agree_with_jacobi_at_every_magnitude_and_gap() {
+        closed_forms_agree::<2>();
+        closed_forms_agree::<3>();
     }
 
     #[test]
