@@ -97,6 +97,17 @@ impl<const D: usize> Surface<D> {
 }
 
 impl<const D: usize> Running<'_, D> {
+    /// [`Surface::evaluate`] into columns that are there already: their memory is used again.
+    pub fn evaluate_into<'q>(
+        &self,
+        at: impl Into<Queries<'q, D>>,
+        want: Want,
+        columns: &mut Evaluations<D>,
+    ) -> Result<(), Cancelled> {
+        *columns = self.evaluate(at, want)?;
+        Ok(())
+    }
+
     /// [`Surface::evaluate`].
     pub fn evaluate<'q>(
         &self,

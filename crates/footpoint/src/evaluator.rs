@@ -118,15 +118,9 @@ pub(crate) struct Evaluator<'s, const D: usize> {
 }
 
 impl<'s, const D: usize> Evaluator<'s, D> {
-    pub(crate) fn new(grid: &'s Grid<D>, definition: &'s Definition) -> Self {
+    pub(crate) fn new(grid: &'s Grid<D>, definition: &'s Definition, level: Level) -> Self {
         let (list, locals) = (Candidates::new(), [Local::NOWHERE; BLOCK]);
-        Self { grid, definition, list, margin: 0.0, level: Level::new(), locals }
-    }
-
-    /// Computes with the instructions of another level than the best.
-    #[cfg(test)]
-    pub(crate) fn with_level(self, level: Level) -> Self {
-        Self { level, ..self }
+        Self { grid, definition, list, margin: 0.0, level, locals }
     }
 
     /// The support of every position, in units of the grid, if all samples have the same.

@@ -49,12 +49,12 @@ mod weight;
 mod written;
 
 pub use cloud::{Cloud, CloudError};
-pub use definition::{Acceptance, Definition, DefinitionError, Error, Kind};
+pub use definition::{Acceptance, Definition, DefinitionError, Error, Kind, Precision};
 pub use evaluate::{Evaluations, Want};
 pub use field::NormalField;
 pub use project::{Operator, Project, Projections, Trace};
 pub use queries::Queries;
-pub use run::{Cancelled, Progress, Run};
+pub use run::{Cancelled, Instructions, Progress, Run};
 pub use status::Status;
 pub use support::{Support, SupportError, SupportSummary, spacing};
 pub use surface::{Running, Sign, Surface};

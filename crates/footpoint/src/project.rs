@@ -132,7 +132,7 @@ impl<const D: usize> Surface<D> {
         if !start.is_representable() {
             return trace;
         }
-        let mut evaluator = Evaluator::new(&self.grid, &self.definition);
+        let mut evaluator = Evaluator::new(&self.grid, &self.definition, Run::new().level());
         let mut points = [Moving::new(start)];
         let mut last = [f64::NAN; D];
         iterate(&mut evaluator, &mut points, how, 1, |position, local| {

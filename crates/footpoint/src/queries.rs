@@ -89,7 +89,7 @@ impl<'q, const D: usize> Grouped<'q, D> {
         margin: f64,
         work: impl Fn(&mut Evaluator<'_, D>, &Block<D>) + Sync + Send,
     ) -> Result<(), Cancelled> {
-        let state = || Evaluator::new(&surface.grid, &surface.definition);
+        let state = || Evaluator::new(&surface.grid, &surface.definition, run.level());
         let points = |group: &Group| group.points.clone();
         run.for_each_group(&self.groups, points, state, |evaluator, group| {
             let places = self.order[group.points.clone()].iter();

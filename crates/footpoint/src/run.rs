@@ -1,5 +1,6 @@
 //! How a computation runs: threads, progress, cancelling.
 
+use fearless_simd::Level;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -16,6 +17,36 @@ pub struct Run<'r> {
     threads: Option<usize>,
     progress: Option<&'r (dyn Fn(Progress) + Sync)>,
     cancel: Option<&'r AtomicBool>,
+    instructions: Instructions,
+}
+
+/// The most that the processor's vector unit is asked for. Less than the processor has serves comparisons and tests:
+/// AVX-512 and AVX2 give the same bits, the baseline, which rounds twice in `a·b + c`, others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Instructions {
+    /// All that the processor has.
+    #[default]
+    Best,
+    /// At most AVX2 with fused multiply-adds.
+    Avx2,
+    /// What every processor of the kind has.
+    Baseline,
+}
+
+impl Instructions {
+    /// The level to compute with on this processor.
+    pub(crate) fn level(self) -> Level {
+        let best = Level::new();
+        match self {
+            Self::Best => best,
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx2 => best.as_avx2().map_or(best, Level::Avx2),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            Self::Avx2 => best,
+            Self::Baseline => Level::baseline(),
+        }
+    }
 }
 
 /// How far a computation has come.
@@ -54,6 +85,17 @@ impl<'r> Run<'r> {
     pub fn cancel(mut self, flag: &'r AtomicBool) -> Self {
         self.cancel = Some(flag);
         self
+    }
+
+    /// Asks the processor for at most these instructions.
+    pub fn instructions(mut self, instructions: Instructions) -> Self {
+        self.instructions = instructions;
+        self
+    }
+
+    /// The level to compute with.
+    pub(crate) fn level(&self) -> Level {
+        self.instructions.level()
     }
 
     /// The same run without its progress.

@@ -85,7 +85,7 @@ fn agrees_with_the_oracle<const D: usize>() {
     every_setting(|weight, field, per_sample, factors| {
         let (samples, grid) = cloud::<D>(&mut random, weight, per_sample, factors);
         let definition = Definition::new().with_weight(weight).with_field(field);
-        let mut evaluator = Evaluator::new(&grid, &definition);
+        let mut evaluator = Evaluator::new(&grid, &definition, Level::new());
         for _ in 0..5 {
             let centre: [f64; D] = std::array::from_fn(|k| if k == D - 1 { 0.1 } else { random.uniform() });
             let positions: [Position<f64, D>; BLOCK] =
@@ -214,8 +214,8 @@ fn vector_levels_with_fused_multiply_adds_give_the_same_bits() {
     every_setting(|weight, field, per_sample, factors| {
         let (_, grid) = cloud::<3>(&mut random, weight, per_sample, factors);
         let definition = Definition::new().with_weight(weight).with_field(field);
-        let mut wide = Evaluator::new(&grid, &definition).with_level(best);
-        let mut narrow = Evaluator::new(&grid, &definition).with_level(narrow);
+        let mut wide = Evaluator::new(&grid, &definition, best);
+        let mut narrow = Evaluator::new(&grid, &definition, narrow);
         for count in 1..=BLOCK {
             let positions: Vec<Position<f64, 3>> =
                 (0..count).map(|_| Position::at([random.uniform(), random.uniform(), 0.1])).collect();
