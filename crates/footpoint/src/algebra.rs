@@ -5,6 +5,17 @@ use crate::lane::Lane;
 pub(crate) type Vector<L, const D: usize> = [L; D];
 pub(crate) type Matrix<L, const D: usize> = [[L; D]; D];
 
+/// The vector with these components. Always inlined, which the standard library's arrays of functions are not: code for a
+/// processor level must not call code for another.
+#[inline(always)]
+pub(crate) fn each<T: Copy, const D: usize>(component: impl Fn(usize) -> T) -> [T; D] {
+    let mut vector = [component(0); D];
+    for k in 1..D {
+        vector[k] = component(k);
+    }
+    vector
+}
+
 #[inline(always)]
 pub(crate) fn zero<L: Lane, const D: usize>(token: L::Token) -> Vector<L, D> {
     [L::splat(token, 0.0); D]
@@ -21,17 +32,17 @@ pub(crate) fn dot<L: Lane, const D: usize>(a: Vector<L, D>, b: Vector<L, D>) -> 
 
 #[inline(always)]
 pub(crate) fn add<L: Lane, const D: usize>(a: Vector<L, D>, b: Vector<L, D>) -> Vector<L, D> {
-    std::array::from_fn(|k| a[k] + b[k])
+    each(|k| a[k] + b[k])
 }
 
 #[inline(always)]
 pub(crate) fn sub<L: Lane, const D: usize>(a: Vector<L, D>, b: Vector<L, D>) -> Vector<L, D> {
-    std::array::from_fn(|k| a[k] - b[k])
+    each(|k| a[k] - b[k])
 }
 
 #[inline(always)]
 pub(crate) fn scale<L: Lane, const D: usize>(a: Vector<L, D>, factor: L) -> Vector<L, D> {
-    std::array::from_fn(|k| a[k] * factor)
+    each(|k| a[k] * factor)
 }
 
 /// `a + factor b`.
@@ -41,7 +52,7 @@ pub(crate) fn add_scaled<L: Lane, const D: usize>(
     b: Vector<L, D>,
     factor: L,
 ) -> Vector<L, D> {
-    std::array::from_fn(|k| b[k].mul_add(factor, a[k]))
+    each(|k| b[k].mul_add(factor, a[k]))
 }
 
 /// The part of `a` that is orthogonal to the unit vector `n`.

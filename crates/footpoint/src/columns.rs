@@ -1,20 +1,41 @@
 //! Output columns that several threads fill in any order, each row once.
 
+use crate::lane::prefetch;
 use crate::status::Status;
 use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
+use zerocopy::{FromBytes, IntoBytes};
+
+/// The column with this many rows, or none if it is not wanted. Memory that it has is used again; rows hold anything.
+fn sized<T: Copy>(column: &mut Vec<T>, rows: usize, wanted: bool, zero: T) {
+    let rows = if wanted { rows } else { 0 };
+    if column.capacity() < rows {
+        // Fresh memory that is zero costs nothing until it is filled.
+        *column = vec![zero; rows];
+    } else {
+        column.resize(rows, zero);
+    }
+}
 
 /// Rows of `W` numbers. Relaxed atomic stores are ordinary stores to the processor; they make it safe to fill rows
 /// from all threads without a lock or a second copy.
-pub(crate) struct Numbers<const W: usize>(Vec<[AtomicU64; W]>);
+pub(crate) struct Numbers<'c, const W: usize>(&'c [[AtomicU64; W]]);
 
-impl<const W: usize> Numbers<W> {
-    /// `rows` rows of NaN; none if the column is not wanted.
-    pub(crate) fn new(rows: usize, wanted: bool) -> Self {
-        let nan = || std::array::from_fn(|_| AtomicU64::new(f64::NAN.to_bits()));
-        Self((0..if wanted { rows } else { 0 }).map(|_| nan()).collect())
+impl<'c, const W: usize> Numbers<'c, W> {
+    pub(crate) fn rows(column: &'c mut Vec<[f64; W]>, rows: usize, wanted: bool) -> Self {
+        sized(column, rows, wanted, [0.0; W]);
+        Self(<[[AtomicU64; W]]>::mut_from_bytes(column.as_mut_bytes()).unwrap_or_default())
+    }
+
+    /// The row will be filled soon.
+    #[inline(always)]
+    pub(crate) fn expect(&self, row: usize) {
+        if let Some(cell) = self.0.get(row) {
+            prefetch(cell);
+        }
     }
 
     /// Fills a row; does nothing where the column is not wanted.
+    #[inline(always)]
     pub(crate) fn put(&self, row: usize, values: [f64; W]) {
         if let Some(cells) = self.0.get(row) {
             for k in 0..W {
@@ -22,34 +43,36 @@ impl<const W: usize> Numbers<W> {
             }
         }
     }
+}
 
-    pub(crate) fn rows(self) -> Vec<[f64; W]> {
-        self.0.into_iter().map(|row| row.map(|cell| f64::from_bits(cell.into_inner()))).collect()
+impl<'c> Numbers<'c, 1> {
+    pub(crate) fn values(column: &'c mut Vec<f64>, rows: usize, wanted: bool) -> Self {
+        sized(column, rows, wanted, 0.0);
+        Self(<[[AtomicU64; 1]]>::mut_from_bytes(column.as_mut_bytes()).unwrap_or_default())
     }
 }
 
-impl Numbers<1> {
-    pub(crate) fn values(self) -> Vec<f64> {
-        self.0.into_iter().map(|[cell]| f64::from_bits(cell.into_inner())).collect()
-    }
-}
+/// Counts.
+pub(crate) struct Counts<'c>(&'c [AtomicU32]);
 
-/// Counts, zero until filled.
-pub(crate) struct Counts(Vec<AtomicU32>);
-
-impl Counts {
-    pub(crate) fn new(rows: usize, wanted: bool) -> Self {
-        Self((0..if wanted { rows } else { 0 }).map(|_| AtomicU32::new(0)).collect())
+impl<'c> Counts<'c> {
+    pub(crate) fn values(column: &'c mut Vec<u32>, rows: usize, wanted: bool) -> Self {
+        sized(column, rows, wanted, 0);
+        Self(<[AtomicU32]>::mut_from_bytes(column.as_mut_bytes()).unwrap_or_default())
     }
 
+    #[inline(always)]
+    pub(crate) fn expect(&self, row: usize) {
+        if let Some(cell) = self.0.get(row) {
+            prefetch(cell);
+        }
+    }
+
+    #[inline(always)]
     pub(crate) fn put(&self, row: usize, count: u32) {
         if let Some(cell) = self.0.get(row) {
             cell.store(count, Relaxed);
         }
-    }
-
-    pub(crate) fn values(self) -> Vec<u32> {
-        self.0.into_iter().map(AtomicU32::into_inner).collect()
     }
 }
 
@@ -61,11 +84,20 @@ impl Statuses {
         Self((0..rows).map(|_| AtomicU8::new(Status::Invalid as u8)).collect())
     }
 
+    #[inline(always)]
+    pub(crate) fn expect(&self, row: usize) {
+        if let Some(cell) = self.0.get(row) {
+            prefetch(cell);
+        }
+    }
+
+    #[inline(always)]
     pub(crate) fn put(&self, row: usize, status: Status) {
         self.0[row].store(status as u8, Relaxed);
     }
 
-    pub(crate) fn values(self) -> Vec<Status> {
-        self.0.into_iter().map(|cell| Status::from_number(cell.into_inner())).collect()
+    pub(crate) fn finish(self, column: &mut Vec<Status>) {
+        column.clear();
+        column.extend(self.0.into_iter().map(|cell| Status::from_number(cell.into_inner())));
     }
 }

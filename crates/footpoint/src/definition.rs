@@ -2,6 +2,7 @@
 
 use crate::cloud::CloudError;
 use crate::field::NormalField;
+use crate::lane::Precision;
 use crate::run::Cancelled;
 use crate::support::{Support, SupportError};
 use crate::weight::Weight;
@@ -51,22 +52,6 @@ impl Default for Acceptance {
 impl Acceptance {
     /// Accepts every zero of f at which a frame exists. Its limits are finite, so that every format can hold them.
     pub const EVERY_ZERO: Self = Self { alignment: f64::MIN, gap: 0.0, boundary: Some(f64::MAX) };
-}
-
-/// The numbers that the sums are computed in.
-///
-/// `Double`: relative accuracy 1e-11 where the gap exceeds 0.1. `Single`: f within 2e-7 h, n and ∇f/|∇f| within 2e-5 rad
-/// there, at about two thirds of the time; samples count as lying on a lattice of about 2e-7 h, so a tolerance of a
-/// projection below 1e-6 is not reached.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum Precision {
-    /// 64 bits.
-    #[default]
-    Double,
-    /// 32 bits.
-    Single,
 }
 
 /// The surface's definition: kind, weight, support rule, domain, acceptance and precision. The default is the

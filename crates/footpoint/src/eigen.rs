@@ -1,6 +1,6 @@
 //! Eigenpairs of symmetric 2×2 and 3×3 matrices, for any lane scalar and any magnitude of the entries.
 
-use crate::algebra::{Matrix, Vector, dot, tangential};
+use crate::algebra::{Matrix, Vector, dot, each, tangential};
 use crate::lane::Lane;
 
 /// One eigenpair of a positive semidefinite matrix, and all eigenvalues.
@@ -8,7 +8,7 @@ use crate::lane::Lane;
 pub(crate) struct Eigenpair<L, const D: usize> {
     /// Ascending.
     pub(crate) values: Vector<L, D>,
-    /// Unit vector of the smallest (or largest) eigenvalue.
+    /// Unit vector of the smallest eigenvalue.
     pub(crate) vector: Vector<L, D>,
 }
 
@@ -22,32 +22,28 @@ pub(crate) struct Eigen<L, const D: usize> {
 
 /// The smallest eigenvalue's pair of a positive semidefinite matrix, for entries of any magnitude.
 ///
-/// In 3-D Laguerre's iteration from below, three steps and one of Newton's, gives the eigenvalue; the largest column
-/// of the adjugate the vector; its Rayleigh quotient a better value and the column again, twice. Lanes whose
+/// In 3-D three steps of Laguerre's iteration from below give the eigenvalue nearly; the largest column
+/// of the adjugate the vector; its Rayleigh quotient a better value and the column again, three times. Lanes whose
 /// gap is small go to Jacobi's method instead, lane by lane, so that a neighbour lane changes nothing.
 #[inline(always)]
 pub(crate) fn smallest<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigenpair<L, D> {
     let trace = trace(matrix);
     // A matrix of zeros stays one, with eigenvalues of zero.
     let inverse = L::select(trace.like(0.0).less(trace), trace.like(1.0) / trace, trace.like(0.0));
-    let a = std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j] * inverse));
+    let a = each(|i| each(|j| matrix[i][j] * inverse));
     let pair = if D == 2 { smallest_of_two(a) } else { smallest_of_three(a) };
-    Eigenpair { values: std::array::from_fn(|k| pair.values[k] * trace), ..pair }
+    Eigenpair { values: each(|k| pair.values[k] * trace), ..pair }
 }
 
-/// The largest eigenvalue's pair: the smallest one of tr(A) I − A.
+/// tr(A) I − A: its smallest pair is the largest of A.
 #[inline(always)]
-pub(crate) fn largest<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigenpair<L, D> {
+pub(crate) fn mirrored<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Matrix<L, D> {
     let trace = trace(matrix);
-    let mirrored = std::array::from_fn(|i| {
-        std::array::from_fn(|j| if i == j { trace - matrix[i][i] } else { -matrix[i][j] })
-    });
-    let pair = smallest(mirrored);
-    Eigenpair { values: std::array::from_fn(|k| trace - pair.values[D - 1 - k]), ..pair }
+    each(|i| each(|j| if i == j { trace - matrix[i][i] } else { -matrix[i][j] }))
 }
 
 #[inline(always)]
-fn trace<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> L {
+pub(crate) fn trace<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> L {
     let mut sum = matrix[0][0];
     for k in 1..D {
         sum = sum + matrix[k][k];
@@ -69,10 +65,7 @@ fn smallest_of_two<L: Lane, const D: usize>(a: Matrix<L, D>) -> Eigenpair<L, D> 
     let length = (first * first + second * second).sqrt();
     let values = [mean - radius, mean + radius];
     let vector = [first / length, second / length];
-    Eigenpair {
-        values: std::array::from_fn(|k| values[k.min(1)]),
-        vector: std::array::from_fn(|k| vector[k.min(1)]),
-    }
+    Eigenpair { values: each(|k| values[k.min(1)]), vector: each(|k| vector[k.min(1)]) }
 }
 
 /// Gaps below this share of the trace go to Jacobi's method: near a double root Laguerre's iteration is slow, and the
@@ -102,34 +95,34 @@ fn smallest_of_three<L: Lane, const D: usize>(a: Matrix<L, D>) -> Eigenpair<L, D
         let step = p * number(3.0) / denominator;
         x = L::select(zero.less(denominator), x - step, x);
     }
-    let (p, slope) = value_and_slope(x);
-    x = L::select(zero.less(slope), x - p / slope, x);
-
-    let mut vector = column_of_adjugate(a, x);
-    for _ in 0..2 {
-        let refined = dot(vector, product(a, vector));
-        // Where every column vanishes there is no vector yet; the gap is small there.
+    // Rayleigh's quotient of a column of the adjugate: cubic convergence, and no digit lost.
+    let mut column = column_of_adjugate(a, x);
+    for _ in 0..3 {
+        let refined = dot(column, product(a, column)) / dot(column, column);
+        // Where every column vanishes there is no vector; the gap is small there.
         x = L::select(refined.abs().less(number(2.0)), refined, x);
-        vector = column_of_adjugate(a, x);
+        column = column_of_adjugate(a, x);
     }
+    let inverse = number(1.0) / dot(column, column).sqrt();
+    let vector = each(|k| column[k] * inverse);
     let [middle, largest] = values_across(a, vector);
     // NaN, where there is no vector, is no good gap either.
     let good = number(SMALL_GAP).less(middle - x);
     let values = [x, middle, largest];
-    let pair = Eigenpair { values: std::array::from_fn(|k| values[k]), vector };
+    let pair = Eigenpair { values: each(|k| values[k]), vector };
     if L::none(zero.less(L::select(good, zero, number(1.0)))) {
         return pair;
     }
     let exact = eigen(a);
     Eigenpair {
-        values: std::array::from_fn(|k| L::select(good, pair.values[k], exact.values[k])),
-        vector: std::array::from_fn(|k| L::select(good, pair.vector[k], exact.vectors[0][k])),
+        values: each(|k| L::select(good, pair.values[k], exact.values[k])),
+        vector: each(|k| L::select(good, pair.vector[k], exact.vectors[0][k])),
     }
 }
 
 #[inline(always)]
 fn product<L: Lane, const D: usize>(a: Matrix<L, D>, v: Vector<L, D>) -> Vector<L, D> {
-    std::array::from_fn(|i| dot(a[i], v))
+    each(|i| dot(a[i], v))
 }
 
 /// The two eigenvalues on the plane across the unit vector n, ascending: those of the 2×2 matrix there. Differences of
@@ -144,7 +137,7 @@ fn values_across<L: Lane, const D: usize>(a: Matrix<L, D>, n: Vector<L, D>) -> [
     let q = n[0] * n[1] * p;
     let first = [number(1.0) + sign * n[0] * n[0] * p, sign * q, -(sign * n[0])];
     let second = [q, sign + n[1] * n[1] * p, -n[1]];
-    let along = |v: [L; 3]| -> Vector<L, D> { std::array::from_fn(|k| v[k]) };
+    let along = |v: [L; 3]| -> Vector<L, D> { each(|k| v[k]) };
     let (first, second) = (along(first), along(second));
     let (turned, other) = (product(a, first), product(a, second));
     let (aa, ab, bb) = (dot(first, turned), dot(second, turned), dot(second, other));
@@ -154,10 +147,10 @@ fn values_across<L: Lane, const D: usize>(a: Matrix<L, D>, n: Vector<L, D>) -> [
     [mean - radius, mean + radius]
 }
 
-/// The longest cross product of two rows of A − x I, as a unit vector.
+/// The longest cross product of two rows of A − x I.
 #[inline(always)]
 fn column_of_adjugate<L: Lane, const D: usize>(a: Matrix<L, D>, x: L) -> Vector<L, D> {
-    let row = |i: usize| -> [L; 3] { std::array::from_fn(|j| if i == j { a[i][i] - x } else { a[i][j] }) };
+    let row = |i: usize| -> [L; 3] { each(|j| if i == j { a[i][i] - x } else { a[i][j] }) };
     let cross = |a: [L; 3], b: [L; 3]| {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     };
@@ -166,11 +159,10 @@ fn column_of_adjugate<L: Lane, const D: usize>(a: Matrix<L, D>, x: L) -> Vector<
     for other in [cross(row(0), row(2)), cross(row(1), row(2))] {
         let other_size = dot(other, other);
         let longer = size.less(other_size);
-        best = std::array::from_fn(|k| L::select(longer, other[k], best[k]));
+        best = each(|k| L::select(longer, other[k], best[k]));
         size = L::select(longer, other_size, size);
     }
-    let inverse = x.like(1.0) / size.sqrt();
-    std::array::from_fn(|k| best[k] * inverse)
+    each(|k| best[k])
 }
 
 /// `Σ_{j≠own} v_j (v_j·u)/(λ_j − λ_own)` without the other pairs (SPEC § 10): with B = A − λ_own I on the complement of
@@ -189,14 +181,14 @@ pub(crate) fn pseudo_inverse<L: Lane, const D: usize>(
     let across = tangential(u, n);
     let trace = trace(b);
     if D == 2 {
-        return std::array::from_fn(|k| across[k] / trace);
+        return each(|k| across[k] / trace);
     }
     let minor = |i: usize, j: usize| b[i][i] * b[j][j] - b[i][j] * b[i][j];
     let minors = minor(0, 1) + minor(0, 2) + minor(1, 2);
     let turned = product(b, across);
     let inverse = trace.like(1.0) / minors;
     // Once more across n: the product leaves a rounding along it.
-    tangential(std::array::from_fn(|k| (trace * across[k] - turned[k]) * inverse), n)
+    tangential(each(|k| (trace * across[k] - turned[k]) * inverse), n)
 }
 
 /// Sweeps after which a 3×3 matrix is diagonal whatever it was; cubic convergence needs four or five.
@@ -221,9 +213,8 @@ pub(crate) fn eigen<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigen<L, D
     }
     // Scaled to entries of size one: squares of tiny entries must not vanish.
     let size = L::select(zero.less(largest), largest, one);
-    let mut a: Matrix<L, D> = matrix.map(|row| row.map(|entry| entry / size));
-    let mut v: Matrix<L, D> =
-        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { one } else { zero }));
+    let mut a: Matrix<L, D> = each(|i| each(|j| matrix[i][j] / size));
+    let mut v: Matrix<L, D> = each(|i| each(|j| if i == j { one } else { zero }));
 
     for _ in 0..SWEEPS {
         let mut off = zero;
@@ -251,14 +242,13 @@ pub(crate) fn eigen<L: Lane, const D: usize>(matrix: Matrix<L, D>) -> Eigen<L, D
         }
     }
 
-    let mut pairs: [(L, Vector<L, D>); D] =
-        std::array::from_fn(|j| (a[j][j] * size, std::array::from_fn(|i| v[i][j])));
+    let mut pairs: [(L, Vector<L, D>); D] = each(|j| (a[j][j] * size, each(|i| v[i][j])));
     for last in (1..D).rev() {
         for j in 0..last {
             let (first, second) = (pairs[j], pairs[j + 1]);
             let swap = second.0.less(first.0);
             let choose = |yes: (L, Vector<L, D>), no: (L, Vector<L, D>)| {
-                (L::select(swap, yes.0, no.0), std::array::from_fn(|i| L::select(swap, yes.1[i], no.1[i])))
+                (L::select(swap, yes.0, no.0), each(|i| L::select(swap, yes.1[i], no.1[i])))
             };
             pairs[j] = choose(second, first);
             pairs[j + 1] = choose(first, second);
@@ -348,7 +338,9 @@ mod tests {
                     let a = crate::algebra::mirror(a);
                     let exact = eigen(a);
                     let size = exact.values[D - 1];
-                    for (pair, own) in [(smallest(a), 0), (largest(a), D - 1)] {
+                    let mut across = smallest(mirrored(a));
+                    across.values = std::array::from_fn(|k| trace(a) - across.values[D - 1 - k]);
+                    for (pair, own) in [(smallest(a), 0), (across, D - 1)] {
                         for k in 0..D {
                             let error = (pair.values[k] - exact.values[k]).abs() / size;
                             assert!(error <= 1e-14, "value {k} of {own}: {error:e} in {a:?}");

@@ -2,14 +2,11 @@
 
 use crate::algebra::{Vector, add_scaled, dot, length, scale, sub};
 use crate::columns::{Counts, Numbers, Statuses};
-use crate::evaluator::{BLOCK, Depth, Evaluator, Local, Position};
+use crate::evaluator::{Evaluator, Local, Position, Wanted};
 use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
 use crate::status::Status;
 use crate::surface::{Running, Sign, Surface};
-
-/// How far an iterate may move, in local supports, before its candidates are sought anew.
-const MARGIN: f64 = 0.3;
 
 /// Steps are halved for another attempt where the full ones fail: they have the same limits, and reach them where
 /// full steps go round in circles or leave the domain. On a torus with noise of half a spacing and 30 neighbours
@@ -129,13 +126,14 @@ impl<const D: usize> Surface<D> {
     pub fn trace(&self, point: [f64; D], how: &Project) -> Trace<D> {
         let mut trace = Trace { status: Status::Invalid, ..Trace::default() };
         let start = Position::at(scale(point, 1.0 / self.grid.unit));
-        if !start.is_representable() {
+        if !self.grid.holds(start.anchor) {
             return trace;
         }
-        let mut evaluator = Evaluator::new(&self.grid, &self.definition, Run::new().level());
+        let wanted = Wanted { moving: true, gradient: true, ..Wanted::default() };
+        let mut evaluator = Evaluator::new(&self.grid, &self.definition, Run::new().level(), wanted);
         let mut points = [Moving::new(start)];
         let mut last = [f64::NAN; D];
-        iterate(&mut evaluator, &mut points, how, 1, |position, local| {
+        iterate((self, &mut evaluator), &mut points, how, 1, |position, local| {
             trace.iterates.push(scale(position.rounded(), self.grid.unit));
             let sign = if dot(local.normal, last) < 0.0 { -1.0 } else { 1.0 };
             last = scale(local.normal, sign);
@@ -158,59 +156,52 @@ impl<const D: usize> Running<'_, D> {
         let points = queries.points(surface);
         let grouped = Grouped::new(surface, queries, self.run);
         let rows = points.len();
-        let moved = Numbers::<D>::new(rows, true);
-        let surface_normal = Numbers::<D>::new(rows, true);
-        let frame_normal = Numbers::<D>::new(rows, true);
-        let distance = Numbers::<1>::new(rows, true);
-        let residual = Numbers::<1>::new(rows, true);
-        let evaluations = Counts::new(rows, true);
+        let mut found = Projections::default();
         let status = Statuses::new(rows);
-
-        let margin = if surface.support().uniform { MARGIN * surface.grid.uniform_scale } else { 0.0 };
-        grouped.for_each_block(surface, self.run, margin, |evaluator, block| {
-            let mut moving = [Moving::new(Position::at([0.0; D])); BLOCK];
-            for (moving, position) in moving.iter_mut().zip(block.positions()) {
-                *moving = Moving::new(*position);
-            }
-            let moving = &mut moving[..block.positions().len()];
-            iterate(evaluator, moving, how, ATTEMPTS, |_, _| {});
-            for (&row, moving) in block.rows.iter().zip(moving.iter()) {
-                let verdict = moving.verdict(surface);
+        let wanted = Wanted { moving: true, gradient: true, ..Wanted::default() };
+        {
+            let point = Numbers::rows(&mut found.point, rows, true);
+            let surface_normal = Numbers::rows(&mut found.surface_normal, rows, true);
+            let frame_normal = Numbers::rows(&mut found.frame_normal, rows, true);
+            let distance = Numbers::values(&mut found.distance, rows, true);
+            let residual = Numbers::values(&mut found.residual, rows, true);
+            let evaluations = Counts::values(&mut found.evaluations, rows, true);
+            let put = |row: usize, verdict: Status, moving: &Moving<D>| {
                 status.put(row, verdict);
                 evaluations.put(row, moving.evaluations);
                 residual.put(row, [moving.residual * surface.grid.unit]);
                 if verdict.is_ok() {
-                    moved.put(row, scale(moving.position.rounded(), surface.grid.unit));
-                    surface_normal.put(row, moving.local.surface_normal().unwrap_or([f64::NAN; D]));
+                    point.put(row, scale(moving.position.rounded(), surface.grid.unit));
+                    surface_normal.put(row, moving.local.surface_normal);
                     frame_normal.put(row, moving.local.normal);
                     distance.put(row, [moving.distance(surface.sign()) * surface.grid.unit]);
+                } else {
+                    point.put(row, points[row]);
+                    surface_normal.put(row, [f64::NAN; D]);
+                    frame_normal.put(row, [f64::NAN; D]);
+                    distance.put(row, [f64::NAN]);
                 }
-            }
-        })?;
-
-        let status = status.values();
-        let mut point = moved.rows();
-        for ((point, status), query) in point.iter_mut().zip(&status).zip(points) {
-            if !status.is_ok() {
-                *point = *query;
-            }
+            };
+            grouped.for_each_group(self.run, wanted, |evaluator, group| {
+                let mut moving: Vec<Moving<D>> = group.positions.iter().map(|&at| Moving::new(at)).collect();
+                iterate((surface, evaluator), &mut moving, how, ATTEMPTS, |_, _| {});
+                for (&row, moving) in group.rows.iter().zip(&moving) {
+                    put(row as usize, moving.verdict(surface), moving);
+                }
+                for &row in &group.invalid {
+                    put(row as usize, Status::Invalid, &Moving::new(Position::at([f64::NAN; D])));
+                }
+            })?;
         }
-        Ok(Projections {
-            point,
-            surface_normal: surface_normal.rows(),
-            frame_normal: frame_normal.rows(),
-            distance: distance.values(),
-            residual: residual.values(),
-            evaluations: evaluations.values(),
-            status,
-        })
+        status.finish(&mut found.status);
+        Ok(found)
     }
 }
 
 /// One point on its way to the surface.
 #[derive(Clone, Copy)]
 struct Moving<const D: usize> {
-    position: Position<f64, D>,
+    position: Position<D>,
     /// Everything at `position`, once evaluated there.
     local: Local<D>,
     /// Length of the step that led to `position`.
@@ -228,7 +219,7 @@ struct Moving<const D: usize> {
 }
 
 impl<const D: usize> Moving<D> {
-    fn new(position: Position<f64, D>) -> Self {
+    fn new(position: Position<D>) -> Self {
         let local = Local::NOWHERE;
         let mark = (f64::INFINITY, 0);
         let step = f64::INFINITY;
@@ -246,7 +237,7 @@ impl<const D: usize> Moving<D> {
             return self.status;
         }
         match self.local.acceptance(&surface.definition) {
-            Status::Ok if self.local.surface_normal().is_none() => Status::Singular,
+            Status::Ok if !self.local.has_surface_normal() => Status::Singular,
             verdict => verdict,
         }
     }
@@ -278,7 +269,7 @@ impl<const D: usize> Moving<D> {
     }
 
     /// Takes in the evaluation at `position` and moves on, or ends; true while it is under way.
-    fn advance(&mut self, local: Local<D>, how: &Project, attempts: i32) -> bool {
+    fn advance(&mut self, local: Local<D>, surface: &Surface<D>, how: &Project, attempts: i32) -> bool {
         self.local = local;
         self.evaluations += 1;
         if !local.status.is_ok() {
@@ -304,7 +295,7 @@ impl<const D: usize> Moving<D> {
         let first_of_basic = how.operator == Operator::Basic && self.is_first();
         let share = if first_of_basic || last { 1.0 } else { 0.5_f64.powi(self.failed) };
         let next = Position { offset: add_scaled(offset, step, share), ..self.position };
-        if !next.is_representable() {
+        if !surface.grid.holds(next.rounded()) || !surface.grid.holds(next.offset) {
             return self.fail(Status::Singular, how, attempts);
         }
         // The whole step, also where a share of it is taken: it measures the distance from the limit.
@@ -329,33 +320,29 @@ impl<const D: usize> Moving<D> {
     }
 }
 
-/// Iterates the operator (SPEC § 6) for a block until every point has ended, with at most so many attempts each; one
-/// attempt gives the plain iterates. `observe` sees every evaluation.
+/// Iterates the operator (SPEC § 6) for a group until every point has ended, with at most so many attempts each; one
+/// attempt gives the plain iterates. Points under way stay together in full blocks. `observe` sees every evaluation.
 fn iterate<const D: usize>(
-    evaluator: &mut Evaluator<'_, D>,
+    (surface, evaluator): (&Surface<D>, &mut Evaluator<'_, D>),
     points: &mut [Moving<D>],
     how: &Project,
     attempts: i32,
-    mut observe: impl FnMut(&Position<f64, D>, &Local<D>),
+    mut observe: impl FnMut(&Position<D>, &Local<D>),
 ) {
     let mut under_way: Vec<usize> = (0..points.len()).collect();
+    let mut positions = Vec::with_capacity(points.len());
+    let mut moves = Vec::with_capacity(points.len());
     while !under_way.is_empty() {
-        let mut positions = [Position::at([0.0; D]); BLOCK];
-        for (position, &i) in positions.iter_mut().zip(&under_way) {
-            *position = points[i].position;
-        }
-        let locals = evaluator.evaluate(&positions[..under_way.len()], Depth::Gradient);
-        // The smallest support of the block: where they differ by orders of magnitude, a list for the largest would
-        // hold thousands of samples too many. Where there is none nothing moves.
-        let smallest = locals.iter().map(|local| local.support).fold(f64::INFINITY, f64::min);
-        let mut locals = locals.iter();
-        under_way.retain(|&i| {
-            let Some(local) = locals.next() else { return false };
-            observe(&points[i].position, local);
-            points[i].advance(*local, how, attempts)
+        positions.clear();
+        positions.extend(under_way.iter().map(|&i| points[i].position));
+        moves.clear();
+        evaluator.evaluate(&positions, &|_, _| {}, |place, answers, lane| {
+            let local = answers.local(lane);
+            observe(&positions[place], &local);
+            let point = &mut points[under_way[place]];
+            moves.push(point.advance(local, surface, how, attempts));
         });
-        if smallest.is_finite() && evaluator.uniform_support().is_none() {
-            evaluator.set_margin(MARGIN * smallest);
-        }
+        let mut moves = moves.iter();
+        under_way.retain(|_| moves.next().is_some_and(|&moves| moves));
     }
 }

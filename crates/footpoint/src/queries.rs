@@ -1,12 +1,10 @@
 //! Where to ask, and how queries are put into blocks of near ones.
 
-use crate::algebra::scale;
-use crate::evaluator::{BLOCK, Evaluator, Position};
-use crate::grid::{Group, group};
+use crate::evaluator::{Evaluator, Position, Wanted};
+use crate::grid::{Groups, group};
 use crate::run::{Cancelled, Run};
 use crate::surface::Surface;
 use std::borrow::Cow;
-use std::ops::Range;
 
 /// Where to ask.
 #[derive(Clone, Copy, Debug)]
@@ -45,80 +43,77 @@ impl<'a, const D: usize> Queries<'a, D> {
     }
 }
 
-/// Queries in units of the grid, grouped into blocks of near ones.
+/// Queries in units of the grid, in groups of near ones.
 pub(crate) struct Grouped<'q, const D: usize> {
-    points: Cow<'q, [[f64; D]]>,
-    /// Row of each point in the output, where that is not its own place.
+    surface: &'q Surface<D>,
+    points: &'q [[f64; D]],
+    groups: Cow<'q, Groups>,
+    /// Which query stands at each place of the order, where that is not its own number.
     rows: Option<&'q [u32]>,
-    order: Vec<u32>,
-    groups: Vec<Group>,
 }
 
-/// The valid queries of one block.
-pub(crate) struct Block<const D: usize> {
-    pub(crate) rows: [usize; BLOCK],
-    positions: [Position<f64, D>; BLOCK],
-    len: usize,
+/// The queries of one group.
+#[derive(Debug)]
+pub(crate) struct Group<const D: usize> {
+    /// Row of each query in the output.
+    pub(crate) rows: Vec<u32>,
+    pub(crate) positions: Vec<Position<D>>,
+    /// Rows of queries that the grid does not hold.
+    pub(crate) invalid: Vec<u32>,
 }
 
 impl<'q, const D: usize> Grouped<'q, D> {
     pub(crate) fn new(surface: &'q Surface<D>, queries: Queries<'q, D>, run: &Run<'_>) -> Self {
         let grid = &surface.grid;
+        let points = queries.points(surface);
         match queries {
             // The grid knows the samples that take part; where some do not, they are asked about like any point.
-            Queries::Samples if grid.points.len() == surface.cloud.len() => {
-                let (order, groups) = grid.group_samples();
-                Self { points: Cow::Borrowed(&grid.points), rows: Some(grid.original()), order, groups }
+            Queries::Samples if grid.len() == points.len() => {
+                Self { surface, points, groups: Cow::Borrowed(grid.groups()), rows: Some(grid.original()) }
             }
             _ => {
-                let points = queries.points(surface);
-                let inverse = 1.0 / grid.unit;
-                let points: Vec<[f64; D]> = points.iter().map(|p| scale(*p, inverse)).collect();
-                let (order, groups) = group(&points, grid.typical_side(), run);
-                Self { points: Cow::Owned(points), rows: None, order, groups }
+                let groups = group(points, grid, run);
+                Self { surface, points, groups: Cow::Owned(groups), rows: None }
             }
         }
     }
 
-    /// Calls `work` for every block, in parallel over the groups, each thread with an evaluator of its own whose lists
-    /// let positions move by `margin`.
-    pub(crate) fn for_each_block(
+    /// Calls `work` for every group, in parallel, each thread with an evaluator of its own.
+    pub(crate) fn for_each_group(
         &self,
-        surface: &Surface<D>,
         run: &Run<'_>,
-        margin: f64,
-        work: impl Fn(&mut Evaluator<'_, D>, &Block<D>) + Sync + Send,
+        wanted: Wanted,
+        work: impl Fn(&mut Evaluator<'_, D>, &Group<D>) + Sync + Send,
     ) -> Result<(), Cancelled> {
-        let state = || Evaluator::new(&surface.grid, &surface.definition, run.level());
-        let points = |group: &Group| group.points.clone();
-        run.for_each_group(&self.groups, points, state, |evaluator, group| {
-            let places = self.order[group.points.clone()].iter();
-            let positions = places.map(|&place| Position::at(self.points[place as usize]));
-            evaluator.set_margin(margin);
-            evaluator.enter(positions.filter(|position| position.is_representable()));
-            for block in &group.blocks {
-                work(evaluator, &self.block(block.clone()));
-            }
+        let Surface { grid, definition, .. } = self.surface;
+        let state = || {
+            let group = Group { rows: Vec::new(), positions: Vec::new(), invalid: Vec::new() };
+            (Evaluator::new(grid, definition, run.level(), wanted), group)
+        };
+        let size = |i: usize| self.groups.range(i).len();
+        run.for_each_group(self.groups.count(), size, state, |(evaluator, group), i| {
+            self.fill(group, i);
+            work(evaluator, group);
         })
     }
 
-    /// The block's queries without the invalid ones.
-    fn block(&self, range: Range<usize>) -> Block<D> {
-        let mut block = Block { rows: [0; BLOCK], positions: [Position::at([0.0; D]); BLOCK], len: 0 };
-        for &place in &self.order[range] {
-            let position = Position::at(self.points[place as usize]);
-            if position.is_representable() {
-                block.rows[block.len] = self.rows.map_or(place, |rows| rows[place as usize]) as usize;
-                block.positions[block.len] = position;
-                block.len += 1;
+    fn fill(&self, group: &mut Group<D>, i: usize) {
+        let grid = &self.surface.grid;
+        let inverse = 1.0 / grid.unit;
+        group.rows.clear();
+        group.positions.clear();
+        group.invalid.clear();
+        for &place in &self.groups.order[self.groups.range(i)] {
+            let place = place as usize;
+            let row = self.rows.map_or(place as u32, |rows| rows[place]);
+            let sample = if self.rows.is_some() { grid.sample(place) } else { None };
+            let point = sample.unwrap_or_else(|| self.points[row as usize].map(|c| c * inverse));
+            if grid.holds(point) {
+                group.rows.push(row);
+                group.positions.push(Position::at(point));
+            } else {
+                group.invalid.push(row);
             }
         }
-        block
-    }
-}
-
-impl<const D: usize> Block<D> {
-    pub(crate) fn positions(&self) -> &[Position<f64, D>] {
-        &self.positions[..self.len]
     }
 }

@@ -1,12 +1,10 @@
 //! How a computation runs: threads, progress, cancelling.
 
 use fearless_simd::Level;
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Groups that one thread takes at a time: enough to hide the bookkeeping, few enough to share evenly.
-#[cfg(feature = "threads")]
-const GROUPS_AT_A_TIME: usize = 16;
+const GROUPS_AT_A_TIME: usize = 8;
 
 /// How to run: who does not care takes the default (all cores, silent, not cancellable).
 ///
@@ -111,23 +109,23 @@ impl<'r> Run<'r> {
         }
     }
 
-    /// Calls `work` for every group of points, each thread with a state of its own from `state`. Groups are ranges
-    /// of points with something more.
-    pub(crate) fn for_each_group<S, G: Sync>(
+    /// Calls `work(0)`, …, `work(count − 1)`, each thread with a state of its own from `state`. `size` tells how many points
+    /// a piece of work stands for.
+    pub(crate) fn for_each_group<S>(
         &self,
-        groups: &[G],
-        points: impl Fn(&G) -> Range<usize> + Sync + Send,
+        count: usize,
+        size: impl Fn(usize) -> usize + Sync + Send,
         state: impl Fn() -> S + Sync + Send,
-        work: impl Fn(&mut S, &G) + Sync + Send,
+        work: impl Fn(&mut S, usize) + Sync + Send,
     ) -> Result<(), Cancelled> {
-        let total = groups.last().map_or(0, |group| points(group).end);
+        let total = (0..count).map(&size).sum();
         let done = AtomicUsize::new(0);
-        let several = |state: &mut S, groups: &[G]| {
+        let several = |state: &mut S, chunk: usize| {
             self.check()?;
             let mut finished = 0;
-            for group in groups {
+            for group in chunk * GROUPS_AT_A_TIME..count.min((chunk + 1) * GROUPS_AT_A_TIME) {
                 work(state, group);
-                finished += points(group).len();
+                finished += size(group);
             }
             let done = done.fetch_add(finished, Ordering::Relaxed) + finished;
             if let Some(report) = self.progress {
@@ -135,17 +133,16 @@ impl<'r> Run<'r> {
             }
             Ok(())
         };
+        let chunks = count.div_ceil(GROUPS_AT_A_TIME);
         #[cfg(feature = "threads")]
         {
             use rayon::prelude::*;
-            self.install(|| {
-                groups.par_chunks(GROUPS_AT_A_TIME).with_max_len(16).try_for_each_init(state, several)
-            })
+            self.install(|| (0..chunks).into_par_iter().try_for_each_init(state, several))
         }
         #[cfg(not(feature = "threads"))]
         {
             let mut state = state();
-            groups.chunks(16).try_for_each(|chunk| several(&mut state, chunk))
+            (0..chunks).try_for_each(|chunk| several(&mut state, chunk))
         }
     }
 
@@ -169,6 +166,49 @@ impl<'r> Run<'r> {
         #[cfg(not(feature = "threads"))]
         {
             (0..count).map(checked).collect()
+        }
+    }
+
+    /// `make(0)`, …, `make(count − 1)` in order; for quick work, which is not cancelled.
+    pub(crate) fn collect<T: Send>(&self, count: usize, make: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+        #[cfg(feature = "threads")]
+        {
+            use rayon::prelude::*;
+            self.install(|| (0..count).into_par_iter().with_min_len(1024).map(make).collect())
+        }
+        #[cfg(not(feature = "threads"))]
+        {
+            (0..count).map(make).collect()
+        }
+    }
+
+    /// The same, without what is `None`.
+    pub(crate) fn collect_some<T: Send>(
+        &self,
+        count: usize,
+        make: impl Fn(usize) -> Option<T> + Sync + Send,
+    ) -> Vec<T> {
+        #[cfg(feature = "threads")]
+        {
+            use rayon::prelude::*;
+            self.install(|| (0..count).into_par_iter().with_min_len(1024).filter_map(make).collect())
+        }
+        #[cfg(not(feature = "threads"))]
+        {
+            (0..count).filter_map(make).collect()
+        }
+    }
+
+    /// Does `work` on every item.
+    pub(crate) fn for_each<T: Send>(&self, items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
+        #[cfg(feature = "threads")]
+        {
+            use rayon::prelude::*;
+            self.install(|| items.par_iter_mut().with_min_len(4).for_each(work));
+        }
+        #[cfg(not(feature = "threads"))]
+        {
+            items.iter_mut().for_each(work);
         }
     }
 
@@ -246,10 +286,6 @@ mod tests {
     use super::*;
     use std::sync::Mutex;
 
-    fn blocks(count: usize) -> Vec<Range<usize>> {
-        (0..count).map(|i| 3 * i..3 * i + 3).collect()
-    }
-
     #[test]
     fn every_block_is_done_once_and_progress_reaches_the_total() {
         for threads in [0, 1, 2, 5] {
@@ -261,11 +297,11 @@ mod tests {
             };
             let run = Run::new().threads(threads).progress(&report);
             run.for_each_group(
-                &blocks(1000),
-                Range::clone,
+                1000,
+                |_| 3,
                 || (),
-                |(), block| {
-                    for i in block.clone() {
+                |(), group| {
+                    for i in 3 * group..3 * group + 3 {
                         seen.lock().unwrap()[i] += 1;
                     }
                 },
@@ -281,8 +317,8 @@ mod tests {
         let flag = AtomicBool::new(false);
         let done = AtomicUsize::new(0);
         let result = Run::new().threads(1).cancel(&flag).for_each_group(
-            &blocks(100_000),
-            Range::clone,
+            100_000,
+            |_| 1,
             || (),
             |(), _| {
                 done.fetch_add(1, Ordering::Relaxed);

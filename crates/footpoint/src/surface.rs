@@ -65,8 +65,9 @@ impl<const D: usize> Surface<D> {
         let radii = choose(&cloud, definition.support(), definition.weight(), run)?;
         let support = radii.summary(&cloud)?;
         run.check()?;
-        let grid = Grid::new(&cloud, &radii, support.largest, definition.weight().reach(), run);
-        if grid.points.is_empty() {
+        let reach = definition.weight().reach();
+        let grid = Grid::new(&cloud, &radii, support.largest, reach, definition.precision(), run);
+        if grid.len() == 0 {
             return Err(SupportError::NoSample(cloud.len()).into());
         }
         Ok(Self { cloud, definition, grid, support, sign })
@@ -99,7 +100,7 @@ impl<const D: usize> Surface<D> {
 
     /// Samples that take part: those with finite coordinates, and a positive support and factor.
     pub fn samples_used(&self) -> usize {
-        self.grid.points.len()
+        self.grid.len()
     }
 
     /// Side of the index's cells: a cloud moved by whole multiples of it along the axes keeps every bit of its

@@ -1,5 +1,6 @@
 //! The weights θ and their derivatives ψ = θ'(r)/r, as functions of s² = (r/h)².
 
+use crate::algebra::{Vector, dot};
 use crate::lane::{Lane, exp_of_negative};
 
 /// The weight function θ (SPEC § 1): smooth, positive inside the support radius h, falling to zero at it.
@@ -75,17 +76,33 @@ impl Weight {
     }
 }
 
-/// One weight inside the hot loop. Both functions are zero outside the support.
+/// One weight inside the hot loop, in two steps: the *closeness* of a sample, zero outside the support, is kept from the
+/// first pass to the second; θ and ψ are functions of it.
 pub(crate) trait Kernel: Copy + Sync {
     /// Where the support ends, in s².
     fn end(self) -> f64;
-    fn theta<L: Lane>(self, s2: L) -> L;
+    fn closeness<L: Lane>(self, s2: L) -> L;
+    fn theta<L: Lane>(self, closeness: L) -> L;
     /// h² ψ.
-    fn psi<L: Lane>(self, s2: L) -> L;
+    fn psi<L: Lane>(self, closeness: L) -> L;
+
+    /// Closeness in a cloud of one support radius, up to a constant; `square` is h² and `inverse` 1/h².
+    #[inline(always)]
+    fn uniform_closeness<L: Lane, const D: usize>(self, d: Vector<L, D>, _square: L, inverse: L) -> L {
+        self.closeness(dot(d, d) * inverse)
+    }
+
+    /// The constants that `uniform_closeness` leaves out: of the closeness, of θ and of h² ψ.
+    fn uniform_constants(self, _h: f64) -> [f64; 3] {
+        [1.0; 3]
+    }
 }
 
+/// The exponent is a number and not a type: the loops are compiled once for all of them, and the branch is foreseen.
 #[derive(Clone, Copy)]
-pub(crate) struct Poly<const M: usize>;
+pub(crate) struct Poly {
+    pub(crate) exponent: usize,
+}
 #[derive(Clone, Copy)]
 pub(crate) struct Wendland;
 #[derive(Clone, Copy)]
@@ -93,71 +110,93 @@ pub(crate) struct Gaussian {
     pub(crate) cut: f64,
 }
 
+/// t to the power of 1, 2, 3 or 4.
 #[inline(always)]
 fn power<L: Lane>(t: L, exponent: usize) -> L {
-    (1..exponent).fold(t, |product, _| product * t)
+    match exponent {
+        1 => t,
+        2 => t * t,
+        3 => t * t * t,
+        _ => (t * t) * (t * t),
+    }
 }
 
-impl<const M: usize> Kernel for Poly<M> {
+/// Closeness 1 − s², or h² − r² where all supports are equal: no division, no square root.
+impl Kernel for Poly {
     fn end(self) -> f64 {
         1.0
     }
     #[inline(always)]
-    fn theta<L: Lane>(self, s2: L) -> L {
-        power((s2.like(1.0) - s2).max(s2.like(0.0)), M)
+    fn closeness<L: Lane>(self, s2: L) -> L {
+        (s2.like(1.0) - s2).max(s2.like(0.0))
     }
     #[inline(always)]
-    fn psi<L: Lane>(self, s2: L) -> L {
-        power((s2.like(1.0) - s2).max(s2.like(0.0)), M - 1) * s2.like(-2.0 * M as f64)
+    fn theta<L: Lane>(self, closeness: L) -> L {
+        power(closeness, self.exponent)
+    }
+    #[inline(always)]
+    fn psi<L: Lane>(self, closeness: L) -> L {
+        power(closeness, self.exponent - 1) * closeness.like(-2.0 * self.exponent as f64)
+    }
+    #[inline(always)]
+    fn uniform_closeness<L: Lane, const D: usize>(self, d: Vector<L, D>, square: L, _inverse: L) -> L {
+        d.iter().fold(square, |rest, &c| (-c).mul_add(c, rest)).max(square.like(0.0))
+    }
+    fn uniform_constants(self, h: f64) -> [f64; 3] {
+        let square = h * h;
+        let of_power = |exponent: usize| 1.0 / power(square, exponent);
+        [of_power(1), of_power(self.exponent), of_power(self.exponent - 1)]
     }
 }
 
+/// Closeness 1 − s.
 impl Kernel for Wendland {
     fn end(self) -> f64 {
         1.0
     }
     #[inline(always)]
-    fn theta<L: Lane>(self, s2: L) -> L {
-        let s = s2.sqrt();
-        power((s2.like(1.0) - s).max(s2.like(0.0)), 4) * (s * s2.like(4.0) + s2.like(1.0))
+    fn closeness<L: Lane>(self, s2: L) -> L {
+        (s2.like(1.0) - s2.sqrt()).max(s2.like(0.0))
     }
     #[inline(always)]
-    fn psi<L: Lane>(self, s2: L) -> L {
-        power((s2.like(1.0) - s2.sqrt()).max(s2.like(0.0)), 3) * s2.like(-20.0)
+    fn theta<L: Lane>(self, closeness: L) -> L {
+        power(closeness, 4) * (closeness.like(5.0) - closeness * closeness.like(4.0))
+    }
+    #[inline(always)]
+    fn psi<L: Lane>(self, closeness: L) -> L {
+        power(closeness, 3) * closeness.like(-20.0)
     }
 }
 
+/// Closeness θ itself.
 impl Kernel for Gaussian {
     fn end(self) -> f64 {
         -self.cut.ln()
     }
     #[inline(always)]
-    fn theta<L: Lane>(self, s2: L) -> L {
+    fn closeness<L: Lane>(self, s2: L) -> L {
         let inside = s2.less(s2.like(self.end()));
         L::select(inside, exp_of_negative(-L::select(inside, s2, s2.like(0.0))), s2.like(0.0))
     }
     #[inline(always)]
-    fn psi<L: Lane>(self, s2: L) -> L {
-        self.theta(s2) * s2.like(-2.0)
+    fn theta<L: Lane>(self, closeness: L) -> L {
+        closeness
+    }
+    #[inline(always)]
+    fn psi<L: Lane>(self, closeness: L) -> L {
+        closeness * closeness.like(-2.0)
     }
 }
 
 /// Runs `$body` with `$kernel` bound to the kernel of `$weight`: the only match over the weights in a batch.
 macro_rules! with_kernel {
-    ($weight:expr, $kernel:ident => $body:expr) => {
+    ($weight:expr, $kernel:ident => $body:expr) => {{
+        let exponent = match $weight {
+            $crate::weight::Weight::Poly2 => 2,
+            $crate::weight::Weight::Poly4 => 4,
+            _ => 3,
+        };
         match $weight {
-            $crate::weight::Weight::Poly2 => {
-                let $kernel = $crate::weight::Poly::<2>;
-                $body
-            }
-            $crate::weight::Weight::Poly3 => {
-                let $kernel = $crate::weight::Poly::<3>;
-                $body
-            }
-            $crate::weight::Weight::Poly4 => {
-                let $kernel = $crate::weight::Poly::<4>;
-                $body
-            }
             $crate::weight::Weight::Wendland => {
                 let $kernel = $crate::weight::Wendland;
                 $body
@@ -166,8 +205,12 @@ macro_rules! with_kernel {
                 let $kernel = $crate::weight::Gaussian { cut };
                 $body
             }
+            _ => {
+                let $kernel = $crate::weight::Poly { exponent };
+                $body
+            }
         }
-    };
+    }};
 }
 pub(crate) use with_kernel;
 
@@ -187,7 +230,7 @@ mod tests {
     #[test]
     fn psi_is_the_derivative_of_theta_over_r() {
         for weight in ALL {
-            let theta = |s: f64| with_kernel!(weight, k => k.theta(s * s));
+            let theta = |s: f64| with_kernel!(weight, k => k.theta(k.closeness(s * s)));
             for i in 1..100 {
                 let s = f64::from(i) / 100.0 * weight.reach();
                 let step = 1e-5;
@@ -195,12 +238,32 @@ mod tests {
                     continue;
                 }
                 let slope = (theta(s + step) - theta(s - step)) / (2.0 * step);
-                let psi = with_kernel!(weight, k => k.psi(s * s));
+                let psi = with_kernel!(weight, k => k.psi(k.closeness(s * s)));
                 assert!((psi * s - slope).abs() < 1e-8, "{weight:?} at {s}: {} {slope}", psi * s);
             }
             // At a sample nothing divides by r.
-            assert!(with_kernel!(weight, k => k.psi(0.0)).is_finite());
+            assert!(with_kernel!(weight, k => k.psi(k.closeness(0.0))).is_finite());
             assert_eq!(theta(0.0), 1.0);
+        }
+    }
+
+    #[test]
+    fn a_uniform_support_gives_the_same_weights_up_to_its_constants() {
+        for weight in ALL {
+            with_kernel!(weight, k => {
+                for h in [1.0, 1.3, 1.99] {
+                    let [closeness_factor, theta_factor, psi_factor] = k.uniform_constants(h);
+                    for i in 0..100 {
+                        let d = [0.013 * f64::from(i) * h, 0.1, -0.2];
+                        let plain = k.closeness(dot(d, d) / (h * h));
+                        let uniform = k.uniform_closeness(d, h * h, 1.0 / (h * h));
+                        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "{weight:?}: {a} {b}");
+                        close(plain, uniform * closeness_factor);
+                        close(k.theta(plain), k.theta(uniform) * theta_factor);
+                        close(k.psi(plain), k.psi(uniform) * psi_factor);
+                    }
+                }
+            });
         }
     }
 
@@ -209,9 +272,9 @@ mod tests {
         for weight in ALL {
             let end = with_kernel!(weight, k => k.end());
             assert!((end - weight.reach().powi(2)).abs() < 1e-12 * end);
-            assert!(with_kernel!(weight, k => k.theta(end * (1.0 - 1e-9))) > 0.0);
-            assert_eq!(with_kernel!(weight, k => k.theta(end * (1.0 + 1e-9))), 0.0);
-            assert_eq!(with_kernel!(weight, k => k.psi(end * 1.5)), 0.0);
+            assert!(with_kernel!(weight, k => k.theta(k.closeness(end * (1.0 - 1e-9)))) > 0.0);
+            assert_eq!(with_kernel!(weight, k => k.theta(k.closeness(end * (1.0 + 1e-9)))), 0.0);
+            assert_eq!(with_kernel!(weight, k => k.psi(k.closeness(end * 1.5))), 0.0);
         }
     }
 
@@ -225,7 +288,7 @@ mod tests {
                 for i in -5 * n..=5 * n {
                     for j in (-across..=across).step_by(8) {
                         let s2 = f64::from(i * i + j * j) / f64::from(n * n);
-                        let theta = with_kernel!(weight, k => k.theta(s2));
+                        let theta = with_kernel!(weight, k => k.theta(k.closeness(s2)));
                         sum += theta;
                         squares += theta * theta;
                         count += f64::from(u8::from(s2 < 1.0));

@@ -1,12 +1,12 @@
 //! The engine: weighted sums over the samples around a block of positions. All else is closed algebra on them.
 
-mod block;
+mod candidates;
 #[cfg(test)]
 pub(crate) mod oracle;
 mod sums;
-#[cfg(test)]
-mod tests;
 
-pub(crate) use crate::grid::BLOCK;
-pub(crate) use block::{Candidates, Position};
-pub(crate) use sums::{Contraction, Frame, FrameSums, Needs, first_pass, second_pass};
+pub(crate) use candidates::{Candidates, Culled, Extent};
+pub(crate) use sums::{
+    Frame, FrameSums, General, List, Mode, Place, Plain, Position, Statistics, first_pass, second_pass,
+    sensitivity, statistics,
+};

@@ -22,7 +22,7 @@ pub(crate) fn evaluate<const D: usize>(
     field: NormalField,
     x: [f64; D],
 ) -> Answer<D> {
-    let weights = |r2: f64, h: f64, factor: f64| with_kernel!(weight, k => (factor * k.theta(r2 / (h * h)), factor * k.psi(r2 / (h * h)) / (h * h)));
+    let weights = |r2: f64, h: f64, factor: f64| with_kernel!(weight, k => (factor * k.theta(k.closeness(r2 / (h * h))), factor * k.psi(k.closeness(r2 / (h * h))) / (h * h)));
     let outer = |a: [f64; D], b: [f64; D]| -> Matrix<f64, D> { a.map(|ai| b.map(|bj| ai * bj)) };
     let plus = |m: &mut Matrix<f64, D>, o: Matrix<f64, D>, s: f64| {
         (0..D).for_each(|i| (0..D).for_each(|j| m[i][j] += s * o[i][j]));

@@ -1,21 +1,55 @@
-//! The one hot loop, in two passes over a block's candidates: the frame sums, then the gradient's.
+//! The hot loops: two passes over a block's candidates, the frame sums first, then the gradient's.
 
-use super::block::{Candidates, Position};
-use crate::algebra::{Matrix, Vector, add, add_outer_upper, add_scaled, dot, mirror, scale, sub, zero};
+use super::candidates::Columns;
+use crate::algebra::{Matrix, Vector, add, add_outer_upper, add_scaled, dot, each, mirror, scale, sub, zero};
+use crate::field::NormalField;
 use crate::lane::Lane;
 use crate::weight::Kernel;
 
-/// Which of the costlier sums of the first pass are needed.
+/// A location, in units of the grid: a fixed anchor and the way from it.
+///
+/// Two numbers per axis, because an iterate near a sample at survey coordinates must move in steps far below the
+/// spacing of doubles there. A difference to a sample is `(p − anchor) − offset`: two roundings that depend on
+/// nothing but the sample and the position, so results have the same bits wherever and however they are computed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Needs {
-    /// The second moments W.
-    pub(crate) second: bool,
-    /// Σ θ n nᵀ.
-    pub(crate) axes: bool,
-    /// Σ|G_i|², in the second pass.
-    pub(crate) sensitivity: bool,
-    /// Squared ratio ρ² of the domain's balls to the supports (eq. 1).
-    pub(crate) domain: f64,
+pub(crate) struct Place<L, const D: usize> {
+    pub(crate) anchor: Vector<L, D>,
+    pub(crate) offset: Vector<L, D>,
+}
+
+/// One location.
+pub(crate) type Position<const D: usize> = Place<f64, D>;
+
+impl<const D: usize> Position<D> {
+    pub(crate) fn at(anchor: [f64; D]) -> Self {
+        Self { anchor, offset: [0.0; D] }
+    }
+
+    /// The location as one vector, rounded.
+    pub(crate) fn rounded(&self) -> [f64; D] {
+        add(self.anchor, self.offset)
+    }
+}
+
+/// The candidates of a block: places in columns that blocks near each other share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct List<'a, N, const D: usize> {
+    pub(crate) columns: &'a Columns<N, D>,
+    pub(crate) places: &'a [u32],
+}
+
+/// How the hot loops take samples and positions.
+pub(crate) trait Mode {
+    /// Supports and factors differ, or positions move: `false` saves a third of the loop.
+    const GENERAL: bool;
+}
+pub(crate) struct Plain;
+pub(crate) struct General;
+impl Mode for Plain {
+    const GENERAL: bool = false;
+}
+impl Mode for General {
+    const GENERAL: bool = true;
 }
 
 /// Sums of the first pass (SPEC § 1), lengths in units of the grid.
@@ -23,194 +57,391 @@ pub(crate) struct Needs {
 pub(crate) struct FrameSums<L, const D: usize> {
     /// S = Σθ.
     pub(crate) weight: L,
-    /// Σθ².
-    pub(crate) squares: L,
     /// m = Σ θ d.
     pub(crate) first: Vector<L, D>,
-    /// W = Σ θ d dᵀ.
+    /// W = Σ θ d dᵀ; zero for the averaged fields.
     pub(crate) second: Matrix<L, D>,
-    /// Nv = Σ θ n_i.
+    /// Nv = Σ θ n_i; zero without normals.
     pub(crate) normals: Vector<L, D>,
-    /// Σ θ n_i n_iᵀ.
+    /// Σ θ n_i n_iᵀ; zero but for averaged axes.
     pub(crate) axes: Matrix<L, D>,
     /// Σ θ h_i.
     pub(crate) scales: L,
+}
+
+impl<L: Copy, const D: usize> FrameSums<L, D> {
+    #[inline(always)]
+    pub(crate) fn map<M: Copy>(self, f: impl Fn(L) -> M + Copy) -> FrameSums<M, D> {
+        FrameSums {
+            weight: f(self.weight),
+            first: each(|k| f(self.first[k])),
+            second: each(|i| each(|k| f(self.second[i][k]))),
+            normals: each(|k| f(self.normals[k])),
+            axes: each(|i| each(|k| f(self.axes[i][k]))),
+            scales: f(self.scales),
+        }
+    }
+}
+
+/// Sums that are rarely asked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Statistics<L> {
+    /// Σθ².
+    pub(crate) squares: L,
     /// Samples with θ > 0.
     pub(crate) neighbours: L,
     /// Samples whose domain ball contains the position.
     pub(crate) inside: L,
 }
 
-/// What a candidate's weight is made of: 1/h² and the factor ω.
-#[inline(always)]
-fn constants<const D: usize>(list: &Candidates<D>, j: usize) -> (f64, f64) {
-    let scale = list.scales.get(j).copied().unwrap_or(list.uniform_scale);
-    (1.0 / (scale * scale), list.factors.get(j).copied().unwrap_or(1.0))
+impl<L> Statistics<L> {
+    #[inline(always)]
+    pub(crate) fn map<M: Copy>(self, f: impl Fn(L) -> M + Copy) -> Statistics<M> {
+        Statistics { squares: f(self.squares), neighbours: f(self.neighbours), inside: f(self.inside) }
+    }
 }
 
-/// Pass one over all candidates.
+/// The frame and what the second pass needs of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame<L, const D: usize> {
+    pub(crate) normal: Vector<L, D>,
+    /// u = a(x) − x.
+    pub(crate) aside: Vector<L, D>,
+    /// g = A⁺u, or e = S u⊥/|Nv| for averaged normals.
+    pub(crate) turn: Vector<L, D>,
+}
+
+impl<L: Copy, const D: usize> Frame<L, D> {
+    #[inline(always)]
+    pub(crate) fn map<M: Copy>(self, f: impl Fn(L) -> M + Copy) -> Frame<M, D> {
+        Frame {
+            normal: each(|k| f(self.normal[k])),
+            aside: each(|k| f(self.aside[k])),
+            turn: each(|k| f(self.turn[k])),
+        }
+    }
+}
+
+/// `p − x` for the sample at place j.
 #[inline(always)]
-pub(crate) fn first_pass<L: Lane, K: Kernel, const D: usize>(
+fn to_sample<L: Lane, M: Mode, const D: usize>(
+    points: &[&[L::Number]; D],
+    j: usize,
+    x: &Place<L, D>,
+) -> Vector<L, D> {
+    each(|k| {
+        let p = L::broadcast(x.anchor[k].token(), points[k][j]);
+        let d = p - x.anchor[k];
+        if M::GENERAL { d - x.offset[k] } else { d }
+    })
+}
+
+/// The closeness of a sample, times a constant in plain mode.
+#[inline(always)]
+fn closeness<L: Lane, K: Kernel, M: Mode, const D: usize>(
     kernel: K,
-    list: &Candidates<D>,
-    x: Position<L, D>,
-    needs: Needs,
+    columns: &Columns<L::Number, D>,
+    j: usize,
+    d: Vector<L, D>,
+    [square, inverse]: [L; 2],
+) -> L {
+    if M::GENERAL {
+        kernel.closeness(dot(d, d) * L::broadcast(square.token(), columns.inverse[j]))
+    } else {
+        kernel.uniform_closeness(d, square, inverse)
+    }
+}
+
+/// Columns cut to one length, so that one comparison proves that a place is in all of them.
+#[inline(always)]
+fn cut<T, const D: usize>(columns: &[Vec<T>; D], length: usize) -> [&[T]; D] {
+    each(|k| &columns[k][..length])
+}
+
+/// Pass one over all candidates; their closeness is kept for the second.
+#[inline(always)]
+pub(crate) fn first_pass<L: Lane, K: Kernel, M: Mode, const D: usize>(
+    kernel: K,
+    list: List<'_, L::Number, D>,
+    x: &Place<L, D>,
+    field: NormalField,
+    kept: &mut [L::Slot],
+) -> FrameSums<L, D> {
+    let axes = field == NormalField::AveragedAxes;
+    match field {
+        NormalField::Covariance | NormalField::CentredCovariance => {
+            sum::<L, K, M, D, true>(kernel, list, x, axes, kept)
+        }
+        NormalField::AveragedNormals | NormalField::AveragedAxes => {
+            sum::<L, K, M, D, false>(kernel, list, x, axes, kept)
+        }
+    }
+}
+
+/// With second moments of positions or, if asked for, of normals.
+#[inline(always)]
+fn sum<L: Lane, K: Kernel, M: Mode, const D: usize, const MOMENTS: bool>(
+    kernel: K,
+    list: List<'_, L::Number, D>,
+    x: &Place<L, D>,
+    axes: bool,
+    kept: &mut [L::Slot],
 ) -> FrameSums<L, D> {
     let token = x.anchor[0].token();
     let nought = L::splat(token, 0.0);
+    let columns = list.columns;
+    let h = columns.uniform_scale;
+    let constants = [L::splat(token, h * h), L::splat(token, 1.0 / (h * h))];
+    let points = cut(&columns.points, columns.len);
+    let has_normals = columns.has_normals();
     let mut sums = FrameSums {
         weight: nought,
-        squares: nought,
         first: zero(token),
         second: [zero(token); D],
         normals: zero(token),
         axes: [zero(token); D],
         scales: nought,
-        neighbours: nought,
-        inside: nought,
     };
-    let one = L::splat(token, 1.0);
-    let end = L::splat(token, kernel.end());
-    let domain = L::splat(token, kernel.end() * needs.domain);
-    for &place in list.indices() {
+    for (&place, kept) in list.places.iter().zip(kept) {
         let j = place as usize;
-        let d = x.to_sample(list.points[j]);
-        let (inverse, factor) = constants(list, j);
-        let s2 = dot(d, d) * nought.like(inverse);
-        let near = s2.less(end);
-        let theta = kernel.theta(s2) * s2.like(factor);
+        if j >= columns.len {
+            continue;
+        }
+        let d = to_sample::<L, M, D>(&points, j, x);
+        let closeness = closeness::<L, K, M, D>(kernel, columns, j, d, constants);
+        closeness.store(kept);
+        let mut theta = kernel.theta(closeness);
+        if M::GENERAL {
+            theta = theta * L::broadcast(token, columns.factors[j]);
+            sums.scales = theta.mul_add(L::broadcast(token, columns.scales[j]), sums.scales);
+        }
         sums.weight = sums.weight + theta;
-        sums.squares = theta.mul_add(theta, sums.squares);
-        sums.first = add_scaled(sums.first, d, theta);
-        sums.neighbours = sums.neighbours + L::select(near, one, nought);
-        sums.inside = sums.inside + L::select(s2.less(domain), one, nought);
-        if needs.second {
-            add_outer_upper(&mut sums.second, d, theta);
+        for i in 0..D {
+            let part = d[i] * theta;
+            sums.first[i] = sums.first[i] + part;
+            if MOMENTS {
+                for k in i..D {
+                    sums.second[i][k] = part.mul_add(d[k], sums.second[i][k]);
+                }
+            }
         }
-        if let Some(scale) = list.scales.get(j) {
-            sums.scales = theta.mul_add(theta.like(*scale), sums.scales);
-        }
-        if let Some(normal) = list.normals.get(j) {
-            let normal = std::array::from_fn(|k| theta.like(normal[k]));
+        if has_normals {
+            let normal = each(|k| L::broadcast(token, columns.normals[k][j]));
             sums.normals = add_scaled(sums.normals, normal, theta);
-            if needs.axes {
+            if !MOMENTS && axes {
                 add_outer_upper(&mut sums.axes, normal, theta);
             }
         }
     }
-    if list.scales.is_empty() {
-        sums.scales = sums.weight * nought.like(list.uniform_scale);
+    if !M::GENERAL {
+        let factor = L::splat(token, kernel.uniform_constants(h)[1]);
+        sums.weight = sums.weight * factor;
+        sums.first = scale(sums.first, factor);
+        sums.second = each(|i| scale(sums.second[i], factor));
+        sums.normals = scale(sums.normals, factor);
+        sums.axes = each(|i| scale(sums.axes[i], factor));
+        sums.scales = sums.weight * L::splat(token, h);
     }
     sums.second = mirror(sums.second);
     sums.axes = mirror(sums.axes);
     sums
 }
 
-/// How one sample enters ∇f: its sensitivity is `G_i = −(1/S) [ψ_i c_i d_i + θ_i t_i]` (SPEC § 10), with the scalar
-/// c_i and the vector t_i of the definition. All vectors are in units of the grid.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Contraction<L, const D: usize> {
-    /// Frames about a(x): c = (n·d + f)(1 + g·u − g·d), t = n − g (n·e) − n (g·e), e = d − u.
-    Centred { g: Vector<L, D> },
-    /// Frames about x: c = (n·d)(1 − g·d) + f, t = n − g (n·d) − n (g·d).
-    AboutX { g: Vector<L, D> },
-    /// Averaged normals: c = n·d + f + e·n_i, t = n.
-    Normals { e: Vector<L, D> },
-    /// Averaged axes: c = n·d + f − (g·n_i)(n·n_i), t = n.
-    Axes { g: Vector<L, D> },
-}
-
-/// Sums of the second pass.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SecondSums<L, const D: usize> {
-    /// Σ ψ c d.
-    pub(crate) gradient: Vector<L, D>,
-    /// Σ |ψ c d + θ t|²; zero unless asked for.
-    pub(crate) sensitivity: L,
-}
-
-/// What the second pass needs to know of the first.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame<L, const D: usize> {
-    pub(crate) normal: Vector<L, D>,
-    /// u = a(x) − x.
-    pub(crate) aside: Vector<L, D>,
-    pub(crate) contraction: Contraction<L, D>,
-}
-
-/// Pass two over all candidates; the match over definitions stands outside the loop.
+/// The sums that only some columns of the answer need, from what the first pass kept.
 #[inline(always)]
-pub(crate) fn second_pass<L: Lane, K: Kernel, const D: usize>(
+pub(crate) fn statistics<L: Lane, K: Kernel, const D: usize>(
+    (token, general): (L::Token, bool),
     kernel: K,
-    list: &Candidates<D>,
-    x: Position<L, D>,
-    frame: &Frame<L, D>,
-    needs: Needs,
-) -> SecondSums<L, D> {
-    let n = frame.normal;
-    let u = frame.aside;
-    let f = -dot(n, u);
-    let one = f.like(1.0);
-    let normal_of = |j: usize| -> Vector<L, D> {
-        let normal = list.normals.get(j).copied().unwrap_or([0.0; D]);
-        std::array::from_fn(|k| f.like(normal[k]))
-    };
-    match frame.contraction {
-        Contraction::Centred { g } => {
-            let gu = one + dot(g, u);
-            let c = |_, d| (dot(n, d) + f) * (gu - dot(g, d));
-            contract(kernel, list, x, needs, c, |d| theta_part(n, g, sub(d, u)))
-        }
-        Contraction::AboutX { g } => {
-            let c = |_, d| dot(n, d) * (one - dot(g, d)) + f;
-            contract(kernel, list, x, needs, c, |d| theta_part(n, g, d))
-        }
-        Contraction::Normals { e } => {
-            let c = |j, d| dot(n, d) + f + dot(e, normal_of(j));
-            contract(kernel, list, x, needs, c, |_| n)
-        }
-        Contraction::Axes { g } => {
-            let c = |j, d| {
-                let normal = normal_of(j);
-                dot(n, d) + f - dot(g, normal) * dot(n, normal)
-            };
-            contract(kernel, list, x, needs, c, |_| n)
-        }
-    }
-}
-
-#[inline(always)]
-fn contract<L: Lane, K: Kernel, const D: usize>(
-    kernel: K,
-    list: &Candidates<D>,
-    x: Position<L, D>,
-    needs: Needs,
-    c: impl Fn(usize, Vector<L, D>) -> L,
-    t: impl Fn(Vector<L, D>) -> Vector<L, D>,
-) -> SecondSums<L, D> {
-    let token = x.anchor[0].token();
+    list: List<'_, L::Number, D>,
+    kept: &[L::Slot],
+    domain_ratio: f64,
+) -> Statistics<L> {
     let nought = L::splat(token, 0.0);
-    let mut sums = SecondSums { gradient: zero(token), sensitivity: nought };
-    for &place in list.indices() {
-        let j = place as usize;
-        let d = x.to_sample(list.points[j]);
-        let (inverse, factor) = constants(list, j);
-        let s2 = dot(d, d) * nought.like(inverse);
-        let psi = kernel.psi(s2) * s2.like(factor * inverse);
-        let part = scale(d, psi * c(j, d));
-        sums.gradient = add(sums.gradient, part);
-        if needs.sensitivity {
-            let theta = kernel.theta(s2) * s2.like(factor);
-            let whole = add_scaled(part, t(d), theta);
-            sums.sensitivity = sums.sensitivity + dot(whole, whole);
+    let one = L::splat(token, 1.0);
+    let [_, theta_factor, _] = kernel.uniform_constants(list.columns.uniform_scale);
+    let theta_factor = L::splat(token, if general { 1.0 } else { theta_factor });
+    let limit = domain_limit::<L, K, D>((token, general), kernel, list.columns, domain_ratio);
+    let mut sums = Statistics { squares: nought, neighbours: nought, inside: nought };
+    for (&place, kept) in list.places.iter().zip(kept) {
+        let closeness = L::load(token, kept);
+        let mut theta = kernel.theta(closeness) * theta_factor;
+        if general {
+            theta = theta * L::broadcast(token, list.columns.factors[place as usize]);
         }
+        sums.squares = theta.mul_add(theta, sums.squares);
+        sums.neighbours = sums.neighbours + L::select(nought.less(closeness), one, nought);
+        sums.inside = sums.inside + L::select(limit.less(closeness), one, nought);
     }
     sums
 }
 
-/// t = n − g (n·e) − n (g·e).
+/// Closeness on the rim of the domain's balls (eq. 1).
 #[inline(always)]
-fn theta_part<L: Lane, const D: usize>(n: Vector<L, D>, g: Vector<L, D>, e: Vector<L, D>) -> Vector<L, D> {
-    let turned = scale(g, dot(n, e));
-    add_scaled(sub(n, turned), n, -dot(g, e))
+fn domain_limit<L: Lane, K: Kernel, const D: usize>(
+    (token, general): (L::Token, bool),
+    kernel: K,
+    columns: &Columns<L::Number, D>,
+    domain_ratio: f64,
+) -> L {
+    let limit = kernel.closeness(kernel.end() * domain_ratio * domain_ratio);
+    let [factor, ..] = kernel.uniform_constants(columns.uniform_scale);
+    L::splat(token, if general { limit } else { limit / factor })
+}
+
+/// Pass two: Σ ψ c d, from which ∇f comes. Sample i enters ∇f with −G_i, `G_i = −(1/S) [ψ_i c_i d_i + θ_i t_i]` (SPEC § 10);
+/// the scalar c is the definition's, g and e as in [`Frame`]:
+///
+/// - frames about a(x): `c = (n·d + f)(1 + g·u − g·d)`
+/// - frames about x: `c = (n·d)(1 − g·d) + f`
+/// - averaged normals: `c = n·d + f + e·n_i`
+/// - averaged axes: `c = n·d + f − (g·n_i)(n·n_i)`
+#[inline(always)]
+pub(crate) fn second_pass<L: Lane, K: Kernel, M: Mode, const D: usize>(
+    kernel: K,
+    list: List<'_, L::Number, D>,
+    x: &Place<L, D>,
+    (field, frame): (NormalField, &Frame<L, D>),
+    kept: &[L::Slot],
+) -> Vector<L, D> {
+    match field {
+        NormalField::Covariance => contract::<L, K, M, D, 0>(kernel, list, x, frame, kept),
+        NormalField::CentredCovariance => contract::<L, K, M, D, 1>(kernel, list, x, frame, kept),
+        NormalField::AveragedNormals => contract::<L, K, M, D, 2>(kernel, list, x, frame, kept),
+        NormalField::AveragedAxes => contract::<L, K, M, D, 3>(kernel, list, x, frame, kept),
+    }
+}
+
+/// Row of the table above, by field.
+#[inline(always)]
+fn sensitivity_scalar<L: Lane, const D: usize, const FIELD: u8>(
+    frame: &Frame<L, D>,
+    [f, gu]: [L; 2],
+    d: Vector<L, D>,
+    normal: Vector<L, D>,
+) -> L {
+    let n = frame.normal;
+    let along =
+        |start: L, a: Vector<L, D>, b: Vector<L, D>| (0..D).fold(start, |sum, k| a[k].mul_add(b[k], sum));
+    let back = |start: L, a: Vector<L, D>| (0..D).fold(start, |sum, k| (-a[k]).mul_add(d[k], sum));
+    match FIELD {
+        0 => dot(n, d).mul_add(back(f.like(1.0), frame.turn), f),
+        1 => along(f, n, d) * back(gu, frame.turn),
+        2 => along(along(f, n, d), frame.turn, normal),
+        _ => (-dot(frame.turn, normal)).mul_add(dot(n, normal), along(f, n, d)),
+    }
+}
+
+/// f and 1 + g·u.
+#[inline(always)]
+fn frame_constants<L: Lane, const D: usize>(frame: &Frame<L, D>) -> [L; 2] {
+    let f = -dot(frame.normal, frame.aside);
+    [f, f.like(1.0) + dot(frame.turn, frame.aside)]
+}
+
+#[inline(always)]
+fn contract<L: Lane, K: Kernel, M: Mode, const D: usize, const FIELD: u8>(
+    kernel: K,
+    list: List<'_, L::Number, D>,
+    x: &Place<L, D>,
+    frame: &Frame<L, D>,
+    kept: &[L::Slot],
+) -> Vector<L, D> {
+    let token = x.anchor[0].token();
+    let columns = list.columns;
+    let points = cut(&columns.points, columns.len);
+    let constants = frame_constants(frame);
+    let mut gradient = zero(token);
+    for (&place, kept) in list.places.iter().zip(kept) {
+        let j = place as usize;
+        if j >= columns.len {
+            continue;
+        }
+        let d = to_sample::<L, M, D>(&points, j, x);
+        let mut psi = kernel.psi(L::load(token, kept));
+        if M::GENERAL {
+            psi = psi * L::broadcast(token, columns.slopes[j]);
+        }
+        let normal =
+            if FIELD > 1 { each(|k| L::broadcast(token, columns.normals[k][j])) } else { zero(token) };
+        let c = sensitivity_scalar::<L, D, FIELD>(frame, constants, d, normal);
+        gradient = add_scaled(gradient, d, psi * c);
+    }
+    if M::GENERAL { gradient } else { scale(gradient, psi_factor(token, kernel, columns)) }
+}
+
+/// What plain mode leaves out of ψ.
+#[inline(always)]
+fn psi_factor<L: Lane, K: Kernel, const D: usize>(
+    token: L::Token,
+    kernel: K,
+    columns: &Columns<L::Number, D>,
+) -> L {
+    let h = columns.uniform_scale;
+    L::splat(token, kernel.uniform_constants(h)[2] / (h * h))
+}
+
+/// Σ |ψ c d + θ t|² (SPEC § 10), with t = n − g (n·e) − n (g·e), e = d − u for frames about a(x) and e = d about x, and t = n for
+/// the averaged fields.
+#[inline(always)]
+pub(crate) fn sensitivity<L: Lane, K: Kernel, const D: usize>(
+    general: bool,
+    kernel: K,
+    list: List<'_, L::Number, D>,
+    x: &Place<L, D>,
+    (field, frame): (NormalField, &Frame<L, D>),
+    kept: &[L::Slot],
+) -> L {
+    match field {
+        NormalField::Covariance => squares::<L, K, D, 0>((general, kernel), list, x, frame, kept),
+        NormalField::CentredCovariance => squares::<L, K, D, 1>((general, kernel), list, x, frame, kept),
+        NormalField::AveragedNormals => squares::<L, K, D, 2>((general, kernel), list, x, frame, kept),
+        NormalField::AveragedAxes => squares::<L, K, D, 3>((general, kernel), list, x, frame, kept),
+    }
+}
+
+#[inline(always)]
+fn squares<L: Lane, K: Kernel, const D: usize, const FIELD: u8>(
+    (general, kernel): (bool, K),
+    list: List<'_, L::Number, D>,
+    x: &Place<L, D>,
+    frame: &Frame<L, D>,
+    kept: &[L::Slot],
+) -> L {
+    let token = x.anchor[0].token();
+    let columns = list.columns;
+    let points = cut(&columns.points, columns.len);
+    let constants = frame_constants(frame);
+    let uniform_theta = L::splat(token, kernel.uniform_constants(columns.uniform_scale)[1]);
+    let uniform_psi = psi_factor::<L, K, D>(token, kernel, columns);
+    let mut sum = L::splat(token, 0.0);
+    for (&place, kept) in list.places.iter().zip(kept) {
+        let j = place as usize;
+        let d = to_sample::<L, General, D>(&points, j, x);
+        let closeness = L::load(token, kept);
+        let number = |column: &[L::Number]| L::broadcast(token, column[j]);
+        let (theta, psi) = if general {
+            (number(&columns.factors), number(&columns.slopes))
+        } else {
+            (uniform_theta, uniform_psi)
+        };
+        let (theta, psi) = (theta * kernel.theta(closeness), psi * kernel.psi(closeness));
+        let normal = if FIELD > 1 { each(|k| number(&columns.normals[k])) } else { zero(token) };
+        let c = sensitivity_scalar::<L, D, FIELD>(frame, constants, d, normal);
+        let n = frame.normal;
+        let t = match FIELD {
+            0 => turned(frame, d),
+            1 => turned(frame, sub(d, frame.aside)),
+            _ => n,
+        };
+        let whole = add_scaled(scale(d, psi * c), t, theta);
+        sum = sum + dot(whole, whole);
+    }
+    sum
+}
+
+/// n − g (n·e) − n (g·e).
+#[inline(always)]
+fn turned<L: Lane, const D: usize>(frame: &Frame<L, D>, e: Vector<L, D>) -> Vector<L, D> {
+    let (n, g) = (frame.normal, frame.turn);
+    add_scaled(sub(n, scale(g, dot(n, e))), n, -dot(g, e))
 }

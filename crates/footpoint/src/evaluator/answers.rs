@@ -1,0 +1,222 @@
+//! What is known at the positions of a block, and the rules that read it.
+
+use crate::algebra::{add, dot, length, scale};
+use crate::definition::Definition;
+use crate::field::NormalField;
+use crate::lane::Number;
+use crate::status::Status;
+
+/// Positions of the widest block.
+pub(super) const LANES: usize = 16;
+
+/// Gaps below so many units in the last place do not determine a frame (SPEC § 3): 1e-12 in double precision.
+const DEGENERATE_GAP: f64 = 4500.0;
+
+/// Gradients shorter than so many units in the last place over the gap have no direction: the rounding error of ∇f grows as
+/// one over the gap.
+const SMALLEST_GRADIENT: f64 = 450.0;
+
+/// Everything at the positions of a block, a lane each, lengths in units of the grid. Quantities that do not exist are NaN.
+#[derive(Clone, Debug)]
+pub(crate) struct Answers<const D: usize> {
+    /// S.
+    pub(super) weight_sum: [f64; LANES],
+    /// (Σθ)²/Σθ², neighbours and domain balls around: where statistics were asked for.
+    pub(super) effective_neighbours: [f64; LANES],
+    pub(super) neighbours: [f64; LANES],
+    pub(super) inside: [f64; LANES],
+    /// h(x).
+    pub(super) support: [f64; LANES],
+    /// u = a(x) − x.
+    pub(super) aside: [[f64; LANES]; D],
+    pub(super) gap: [f64; LANES],
+    pub(super) eigenvalues: [[f64; LANES]; D],
+    pub(super) normal: [[f64; LANES]; D],
+    pub(super) value: [f64; LANES],
+    pub(super) gradient: [[f64; LANES]; D],
+    /// ∇f/|∇f|, where ∇f has a direction.
+    surface_normal: [[f64; LANES]; D],
+    pub(super) sensitivity: [f64; LANES],
+    /// n·Nv: zero where no normal of a sample decided the sign.
+    pub(super) along: [f64; LANES],
+}
+
+impl<const D: usize> Answers<D> {
+    pub(super) const NOWHERE: Self = Self {
+        weight_sum: [f64::NAN; LANES],
+        effective_neighbours: [f64::NAN; LANES],
+        neighbours: [0.0; LANES],
+        inside: [0.0; LANES],
+        support: [f64::NAN; LANES],
+        aside: [[f64::NAN; LANES]; D],
+        gap: [f64::NAN; LANES],
+        eigenvalues: [[f64::NAN; LANES]; D],
+        normal: [[f64::NAN; LANES]; D],
+        value: [f64::NAN; LANES],
+        gradient: [[f64::NAN; LANES]; D],
+        surface_normal: [[f64::NAN; LANES]; D],
+        sensitivity: [f64::NAN; LANES],
+        along: [0.0; LANES],
+    };
+
+    /// Takes f from where it was computed to where it was asked for, and replaces what does not exist by NaN.
+    #[inline(always)]
+    pub(super) fn finish<N: Number>(
+        &mut self,
+        residual: &[[f64; LANES]; D],
+        field: NormalField,
+        has_gradient: bool,
+    ) {
+        let mut exists = [false; LANES];
+        let mut framed = [false; LANES];
+        let keep = |kept: bool, value: f64| if kept { value } else { f64::NAN };
+        for i in 0..N::BLOCK {
+            exists[i] = self.inside[i] > 0.0;
+            let gap = if self.gap[i].is_nan() { 0.0 } else { self.gap[i] };
+            self.gap[i] = keep(exists[i], gap);
+            framed[i] = exists[i] && gap >= DEGENERATE_GAP * N::EPSILON;
+            self.weight_sum[i] = keep(exists[i], self.weight_sum[i]);
+            self.effective_neighbours[i] = keep(exists[i], self.effective_neighbours[i]);
+            self.support[i] = keep(exists[i], self.support[i]);
+            self.sensitivity[i] = keep(framed[i], self.sensitivity[i]);
+        }
+        let has_matrix = field != NormalField::AveragedNormals;
+        let mut squares = [0.0; LANES];
+        for k in 0..D {
+            for i in 0..N::BLOCK {
+                // To first order: the way is below a millionth of h.
+                self.value[i] += self.gradient[k][i] * residual[k][i];
+                self.aside[k][i] = keep(exists[i], self.aside[k][i] - residual[k][i]);
+                self.eigenvalues[k][i] = keep(exists[i] && has_matrix, self.eigenvalues[k][i]);
+                self.normal[k][i] = keep(framed[i], self.normal[k][i]);
+                self.gradient[k][i] = keep(framed[i] && has_gradient, self.gradient[k][i]);
+                squares[i] += self.gradient[k][i] * self.gradient[k][i];
+            }
+        }
+        let mut inverse = [0.0; LANES];
+        for i in 0..N::BLOCK {
+            self.value[i] = keep(framed[i], self.value[i]);
+            let length = squares[i].sqrt();
+            let steep = length * self.gap[i] >= SMALLEST_GRADIENT * N::EPSILON && length < f64::INFINITY;
+            inverse[i] = keep(steep, 1.0 / length);
+        }
+        let mut squares = [0.0; LANES];
+        for k in 0..D {
+            for i in 0..N::BLOCK {
+                self.surface_normal[k][i] = self.gradient[k][i] * inverse[i];
+                squares[i] += self.surface_normal[k][i] * self.surface_normal[k][i];
+            }
+        }
+        // Once more: the first division leaves the length a few roundings from one.
+        for i in 0..N::BLOCK {
+            squares[i] = 1.0 / squares[i].sqrt();
+        }
+        for k in 0..D {
+            for i in 0..N::BLOCK {
+                self.surface_normal[k][i] *= squares[i];
+            }
+        }
+    }
+
+    /// One position's answers.
+    #[inline(always)]
+    pub(crate) fn local(&self, lane: usize) -> Local<D> {
+        let vector = |v: &[[f64; LANES]; D]| -> [f64; D] { std::array::from_fn(|k| v[k][lane]) };
+        let status = if self.weight_sum[lane].is_nan() {
+            Status::Outside
+        } else if self.value[lane].is_nan() {
+            Status::Degenerate
+        } else {
+            Status::Ok
+        };
+        Local {
+            status,
+            neighbours: self.neighbours[lane] as u32,
+            weight_sum: self.weight_sum[lane],
+            effective_neighbours: self.effective_neighbours[lane],
+            support: self.support[lane],
+            aside: vector(&self.aside),
+            gap: self.gap[lane],
+            eigenvalues: vector(&self.eigenvalues),
+            normal: vector(&self.normal),
+            value: self.value[lane],
+            gradient: vector(&self.gradient),
+            surface_normal: vector(&self.surface_normal),
+            sensitivity: self.sensitivity[lane],
+            signed: self.along[lane] > 0.0,
+        }
+    }
+}
+
+/// Everything at one position, lengths in units of the grid. Quantities that do not exist are NaN.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Local<const D: usize> {
+    /// *ok*, *outside* or *degenerate*.
+    pub(crate) status: Status,
+    pub(crate) neighbours: u32,
+    /// S.
+    pub(crate) weight_sum: f64,
+    pub(crate) effective_neighbours: f64,
+    /// h(x).
+    pub(crate) support: f64,
+    /// u = a(x) − x.
+    pub(crate) aside: [f64; D],
+    pub(crate) gap: f64,
+    pub(crate) eigenvalues: [f64; D],
+    pub(crate) normal: [f64; D],
+    pub(crate) value: f64,
+    pub(crate) gradient: [f64; D],
+    /// ∇f/|∇f|; NaN where ∇f has no direction.
+    pub(crate) surface_normal: [f64; D],
+    pub(crate) sensitivity: f64,
+    /// Whether normals of the samples decided the sign.
+    pub(crate) signed: bool,
+}
+
+impl<const D: usize> Local<D> {
+    /// Nothing exists here.
+    pub(crate) const NOWHERE: Self = Self {
+        status: Status::Outside,
+        neighbours: 0,
+        weight_sum: f64::NAN,
+        effective_neighbours: f64::NAN,
+        support: f64::NAN,
+        aside: [f64::NAN; D],
+        gap: f64::NAN,
+        eigenvalues: [f64::NAN; D],
+        normal: [f64::NAN; D],
+        value: f64::NAN,
+        gradient: [f64::NAN; D],
+        surface_normal: [f64::NAN; D],
+        sensitivity: f64::NAN,
+        signed: false,
+    };
+
+    /// n·∇f.
+    pub(crate) fn alignment(&self) -> f64 {
+        dot(self.normal, self.gradient)
+    }
+
+    /// Whether ∇f has a direction.
+    pub(crate) fn has_surface_normal(&self) -> bool {
+        !self.surface_normal[0].is_nan()
+    }
+
+    /// The rule of SPEC § 8, for a position where f vanishes.
+    pub(crate) fn acceptance(&self, definition: &Definition) -> Status {
+        let rule = definition.acceptance();
+        // The part of a − x along n is f; only the part across it tells of a rim.
+        let across = length(add(self.aside, scale(self.normal, self.value)));
+        if !self.status.is_ok() {
+            self.status
+        } else if self.gap < rule.gap {
+            Status::Degenerate
+        } else if self.alignment() < rule.alignment || self.alignment().is_nan() {
+            Status::Singular
+        } else if across > definition.boundary_limit::<D>() * self.support {
+            Status::Boundary
+        } else {
+            Status::Ok
+        }
+    }
+}

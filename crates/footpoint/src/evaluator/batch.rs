@@ -1,0 +1,361 @@
+//! A batch of blocks on its way through the stages: lists, value sums, frames, gradient sums, answers.
+//!
+//! Each stage runs over the whole batch before the next begins, so that the long chains of the eigenproblems of several
+//! blocks overlap. A block has as many positions as the widest vector has lanes; narrower processors take it in parts.
+
+use super::answers::{Answers, LANES};
+use crate::algebra::{dot, each};
+use crate::engine::{
+    Candidates, Culled, Extent, Frame, FrameSums, General, List, Mode, Place, Plain, Position, Statistics,
+    first_pass, second_pass, sensitivity, statistics,
+};
+use crate::field::NormalField;
+use crate::frame::{Fit, fit, gradient};
+use crate::grid::Grid;
+use crate::lane::{Lane, Number, vectorized};
+use crate::weight::{Kernel, Weight, with_kernel};
+use fearless_simd::Level;
+use std::any::Any;
+
+/// Blocks of a batch, at most: more would leave the fastest cache.
+pub(super) const BLOCKS: usize = 8;
+/// Places in the lists of a batch, at most, unless one block has more: where supports hold ten thousand samples, a batch is
+/// one block.
+const PLACES: usize = 1 << 15;
+
+/// What to compute, apart from where.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Task {
+    pub(super) level: Level,
+    pub(super) weight: Weight,
+    pub(super) field: NormalField,
+    pub(super) domain_ratio: f64,
+    /// Supports or factors differ, or positions move.
+    pub(super) general: bool,
+    pub(super) gradient: bool,
+    pub(super) sensitivity: bool,
+    pub(super) statistics: bool,
+    pub(super) eigenvalues: bool,
+}
+
+/// Told of each block before either pass over its candidates: the time to call for the memory that its answers will go to.
+pub(crate) type Announce<'a> = &'a dyn Fn(std::ops::Range<usize>, Pass);
+
+/// The passes over a block's candidates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    First,
+    Second,
+}
+
+impl Task {
+    fn needs_statistics(&self) -> bool {
+        self.statistics || self.domain_ratio < 1.0
+    }
+}
+
+/// Positions of a block. Lanes without one of their own repeat the last.
+#[derive(Debug)]
+struct Block<N: Number, const D: usize> {
+    anchor: [N::Slot; D],
+    offset: [N::Slot; D],
+    /// What single precision rounded away.
+    residual: [[f64; LANES]; D],
+}
+
+/// One vector's share of a block, and what the stages leave for each other.
+#[derive(Debug)]
+struct Unit<N: Number, const D: usize> {
+    block: usize,
+    /// Its first lane in the block.
+    lane: usize,
+    sums: FrameSums<N::Slot, D>,
+    statistics: Statistics<N::Slot>,
+    fit: Fit<N::Slot, D>,
+    second: [N::Slot; D],
+    sensitivity: N::Slot,
+}
+
+impl<N: Number, const D: usize> Unit<N, D> {
+    fn new(block: usize, lane: usize) -> Self {
+        let (zero, vector, matrix) = (N::ZERO_SLOT, [N::ZERO_SLOT; D], [[N::ZERO_SLOT; D]; D]);
+        let sums = FrameSums {
+            weight: zero,
+            first: vector,
+            second: matrix,
+            normals: vector,
+            axes: matrix,
+            scales: zero,
+        };
+        let frame = Frame { normal: vector, aside: vector, turn: vector };
+        let fit = Fit { frame, gap: zero, eigenvalues: vector };
+        let statistics = Statistics { squares: zero, neighbours: zero, inside: zero };
+        Self { block, lane, sums, statistics, fit, second: vector, sensitivity: zero }
+    }
+}
+
+/// The blocks and all that is kept from stage to stage: one thread's scratch.
+#[derive(Debug)]
+pub(super) struct Batch<N: Number, const D: usize> {
+    pub(super) candidates: Candidates<N, D>,
+    blocks: Vec<Block<N, D>>,
+    boxes: Vec<Extent<D>>,
+    units: Vec<Unit<N, D>>,
+    places: Vec<u32>,
+    ends: Vec<usize>,
+    /// Closeness of every candidate to every position, unit by unit.
+    kept: Vec<N::Slot>,
+    pub(super) answers: Vec<Answers<D>>,
+}
+
+impl<N: Culled, const D: usize> Batch<N, D> {
+    pub(super) fn new() -> Self {
+        Self {
+            candidates: Candidates::new(),
+            blocks: Vec::new(),
+            boxes: Vec::new(),
+            units: Vec::new(),
+            places: Vec::new(),
+            ends: Vec::new(),
+            kept: Vec::new(),
+            answers: Vec::new(),
+        }
+    }
+
+    /// Positions that one run takes, at most.
+    pub(super) fn capacity(&self) -> usize {
+        N::BLOCK * (PLACES / self.candidates.columns.len.max(1)).clamp(1, BLOCKS)
+    }
+
+    /// Evaluates positions that the candidates cover, `capacity` at most: the answers of block after block.
+    pub(super) fn run(
+        &mut self,
+        task: &Task,
+        grid: &Grid<D>,
+        positions: &[Position<D>],
+        announce: Announce<'_>,
+    ) {
+        self.blocks.clear();
+        self.boxes.clear();
+        for positions in positions.chunks(N::BLOCK) {
+            self.add_block(grid, positions);
+        }
+        self.ends.clear();
+        self.candidates.sift(&self.boxes, task.level, &mut self.places, &mut self.ends);
+        self.answers.resize(self.blocks.len(), Answers::NOWHERE);
+        let count = positions.len();
+        run_stages(task, self, &|block, pass| {
+            let begin = block * N::BLOCK;
+            announce(begin..count.min(begin + N::BLOCK), pass);
+        });
+    }
+
+    fn add_block(&mut self, grid: &Grid<D>, positions: &[Position<D>]) {
+        let centre = self.candidates.centre;
+        let mut block =
+            Block { anchor: [N::ZERO_SLOT; D], offset: [N::ZERO_SLOT; D], residual: [[0.0; LANES]; D] };
+        let mut taken_at = [[0.0; D]; LANES];
+        for lane in 0..N::BLOCK {
+            let Some(position) = positions.get(lane.min(positions.len() - 1)) else { continue };
+            let rounded = position.rounded();
+            let at = grid.taken_at(rounded);
+            taken_at[lane] = at;
+            for k in 0..D {
+                let (anchor, offset) = N::place(at[k], centre[k], position.anchor[k], position.offset[k]);
+                N::lanes(&mut block.anchor[k])[lane] = anchor;
+                N::lanes(&mut block.offset[k])[lane] = offset;
+                block.residual[k][lane] = N::residual(at[k], position.anchor[k], position.offset[k]);
+            }
+        }
+        self.blocks.push(block);
+        self.boxes.push(Extent::around(taken_at[..N::BLOCK].iter().copied()));
+    }
+
+    /// The part of the list that belongs to a block.
+    fn list(&self, block: usize) -> List<'_, N, D> {
+        let begin = if block == 0 { 0 } else { self.ends[block - 1] };
+        List { columns: &self.candidates.columns, places: &self.places[begin..self.ends[block]] }
+    }
+}
+
+/// Leads to the stages of one dimension and precision.
+///
+/// Both are found again at run time, so that the kernels are compiled once, with the library, and not
+/// again in every crate that uses it.
+fn run_stages(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
+    fn sized<N: Culled, const D: usize>(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
+        let Some(batch) = batch.downcast_mut::<Batch<N, D>>() else { return };
+        if task.general {
+            stages::<N, General, D>(task, batch, announce);
+        } else {
+            stages::<N, Plain, D>(task, batch, announce);
+        }
+    }
+    sized::<f64, 3>(task, batch, announce);
+    sized::<f64, 2>(task, batch, announce);
+    sized::<f32, 3>(task, batch, announce);
+    sized::<f32, 2>(task, batch, announce);
+}
+
+fn stages<N: Culled, M: Mode, const D: usize>(
+    task: &Task,
+    batch: &mut Batch<N, D>,
+    announce: &dyn Fn(usize, Pass),
+) {
+    with_kernel!(task.weight, kernel => {
+        vectorized!(task.level, simd => value_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, (batch, announce)));
+    });
+    vectorized!(task.level, simd => frames::<N::Lanes<_>, N, D>(simd, task, batch));
+    if task.gradient {
+        with_kernel!(task.weight, kernel => {
+            vectorized!(task.level, simd => gradient_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, (batch, announce)));
+        });
+    }
+    vectorized!(task.level, simd => answers::<N::Lanes<_>, N, D>(simd, task, batch));
+}
+
+/// The lane scalar that goes with a number.
+trait Of<N: Number>: Lane<Number = N, Slot = N::Slot> {}
+impl<N: Number, L: Lane<Number = N, Slot = N::Slot>> Of<N> for L {}
+
+#[inline(always)]
+fn stored<N: Number, L: Of<N>>(value: L) -> N::Slot {
+    let mut slot = N::ZERO_SLOT;
+    value.store(&mut slot);
+    slot
+}
+
+/// The positions of a unit.
+#[inline(always)]
+fn place<N: Number, L: Of<N>, const D: usize>(
+    token: L::Token,
+    block: &Block<N, D>,
+    lane: usize,
+) -> Place<L, D> {
+    let part = |mut whole: N::Slot| {
+        let mut part = N::ZERO_SLOT;
+        N::lanes(&mut part)[..L::WIDTH].copy_from_slice(&N::lanes(&mut whole)[lane..lane + L::WIDTH]);
+        L::load(token, &part)
+    };
+    Place { anchor: each(|k| part(block.anchor[k])), offset: each(|k| part(block.offset[k])) }
+}
+
+#[inline(always)]
+fn value_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
+    token: L::Token,
+    kernel: K,
+    task: &Task,
+    (batch, announce): (&mut Batch<N, D>, &dyn Fn(usize, Pass)),
+) {
+    let parts = N::BLOCK / L::WIDTH;
+    let mut units = std::mem::take(&mut batch.units);
+    let mut kept = std::mem::take(&mut batch.kept);
+    units.clear();
+    let room = batch.ends.last().map_or(0, |end| end * parts);
+    if kept.len() < room {
+        kept.resize(room, N::ZERO_SLOT);
+    }
+    let mut rest = kept.as_mut_slice();
+    for (b, block) in batch.blocks.iter().enumerate() {
+        let list = batch.list(b);
+        announce(b, Pass::First);
+        for part in 0..parts {
+            let lane = part * L::WIDTH;
+            let mut unit = Unit::new(b, lane);
+            let (own, after) = rest.split_at_mut(list.places.len());
+            rest = after;
+            let x = place::<N, L, D>(token, block, lane);
+            let sums = first_pass::<L, K, M, D>(kernel, list, &x, task.field, own);
+            unit.sums = sums.map(stored::<N, L>);
+            if task.needs_statistics() {
+                let sums = statistics::<L, K, D>((token, task.general), kernel, list, own, task.domain_ratio);
+                unit.statistics = sums.map(stored::<N, L>);
+            }
+            units.push(unit);
+        }
+    }
+    batch.units = units;
+    batch.kept = kept;
+}
+
+#[inline(always)]
+fn frames<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, batch: &mut Batch<N, D>) {
+    let load = |slot: N::Slot| L::load(token, &slot);
+    for unit in &mut batch.units {
+        unit.fit = fit(task.field, &unit.sums.map(load)).map(stored::<N, L>);
+    }
+}
+
+#[inline(always)]
+fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
+    token: L::Token,
+    kernel: K,
+    task: &Task,
+    (batch, announce): (&mut Batch<N, D>, &dyn Fn(usize, Pass)),
+) {
+    let mut units = std::mem::take(&mut batch.units);
+    let mut begin = 0;
+    for unit in &mut units {
+        let list = batch.list(unit.block);
+        if unit.lane == 0 {
+            announce(unit.block, Pass::Second);
+        }
+        let kept = &batch.kept[begin..begin + list.places.len()];
+        begin += list.places.len();
+        let x = place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane);
+        let frame = unit.fit.frame.map(|slot| L::load(token, &slot));
+        let second = second_pass::<L, K, M, D>(kernel, list, &x, (task.field, &frame), kept);
+        unit.second = each(|k| stored::<N, L>(second[k]));
+        if task.sensitivity {
+            let sum = sensitivity::<L, K, D>(task.general, kernel, list, &x, (task.field, &frame), kept);
+            unit.sensitivity = stored::<N, L>(sum);
+        }
+    }
+    batch.units = units;
+}
+
+#[inline(always)]
+fn answers<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, batch: &mut Batch<N, D>) {
+    let load = |slot: N::Slot| L::load(token, &slot);
+    for unit in &batch.units {
+        let out = &mut batch.answers[unit.block];
+        let lanes = unit.lane..unit.lane + L::WIDTH;
+        let Fit { frame, gap, eigenvalues } = unit.fit.map(load);
+        let weight = load(unit.sums.weight);
+        let put = |out: &mut [f64; LANES], value: L| value.write(&mut out[lanes.clone()]);
+        put(&mut out.weight_sum, weight);
+        put(&mut out.support, load(unit.sums.scales) / weight);
+        put(&mut out.gap, gap);
+        put(&mut out.value, -dot(frame.normal, frame.aside));
+        if batch.candidates.columns.has_normals() {
+            put(&mut out.along, dot(frame.normal, each(|k| load(unit.sums.normals[k]))));
+        }
+        let gradient = if task.gradient {
+            gradient(task.field, &frame, weight, each(|k| load(unit.second[k])))
+        } else {
+            frame.normal
+        };
+        for k in 0..D {
+            put(&mut out.aside[k], frame.aside[k]);
+            put(&mut out.normal[k], frame.normal[k]);
+            put(&mut out.gradient[k], gradient[k]);
+            if task.eigenvalues {
+                put(&mut out.eigenvalues[k], eigenvalues[k]);
+            }
+        }
+        if task.needs_statistics() {
+            let statistics = unit.statistics.map(load);
+            put(&mut out.effective_neighbours, weight * weight / statistics.squares);
+            put(&mut out.neighbours, statistics.neighbours);
+            put(&mut out.inside, statistics.inside);
+        } else {
+            put(&mut out.inside, weight);
+        }
+        if task.sensitivity {
+            put(&mut out.sensitivity, load(unit.sensitivity) / (weight * weight));
+        }
+    }
+    for (answers, block) in batch.answers.iter_mut().zip(&batch.blocks) {
+        answers.finish::<N>(&block.residual, task.field, task.gradient);
+    }
+}

@@ -1,0 +1,123 @@
+//! One thread's evaluator: its scratch, and all quantities at the positions of a group.
+
+mod answers;
+mod batch;
+#[cfg(test)]
+mod tests;
+
+use crate::definition::Definition;
+pub(crate) use crate::engine::Position;
+use crate::engine::{Culled, Extent};
+use crate::grid::{Grid, Store};
+pub(crate) use answers::{Answers, Local};
+pub(crate) use batch::Pass;
+use batch::{Announce, Batch, Task};
+use fearless_simd::Level;
+
+/// What to compute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Wanted {
+    /// Positions have moved from where they began.
+    pub(crate) moving: bool,
+    pub(crate) gradient: bool,
+    /// Σ|G_i|²; needs the gradient.
+    pub(crate) sensitivity: bool,
+    /// Neighbours and effective neighbours.
+    pub(crate) statistics: bool,
+    pub(crate) eigenvalues: bool,
+}
+
+/// How far positions may move before a group's candidates are gathered anew, and the longest side of the box that they are
+/// gathered for, in sides of the grid's cells. A group fits with its margin.
+const MARGIN: f64 = 0.3;
+const LONGEST_SIDE: f64 = 5.0;
+
+/// Evaluates positions near each other; keeps their candidates as long as these cover them.
+pub(crate) struct Evaluator<'s, const D: usize> {
+    grid: &'s Grid<D>,
+    task: Task,
+    work: Work<D>,
+}
+
+/// The scratch of one precision.
+enum Work<const D: usize> {
+    Double(Box<Batch<f64, D>>),
+    Single(Box<Batch<f32, D>>),
+}
+
+impl<'s, const D: usize> Evaluator<'s, D> {
+    pub(crate) fn new(grid: &'s Grid<D>, definition: &Definition, level: Level, wanted: Wanted) -> Self {
+        let varied = !grid.scales.is_empty() || !grid.factors.is_empty();
+        // On the lattice a position has no offset.
+        let moving = wanted.moving && matches!(grid.store, Store::Double(_));
+        let task = Task {
+            level,
+            weight: definition.weight(),
+            field: definition.field(),
+            domain_ratio: definition.domain_ratio(),
+            general: varied || moving,
+            gradient: wanted.gradient || wanted.sensitivity,
+            sensitivity: wanted.sensitivity,
+            statistics: wanted.statistics,
+            eigenvalues: wanted.eigenvalues,
+        };
+        let work = match grid.store {
+            Store::Double(_) => Work::Double(Box::new(Batch::new())),
+            Store::Single(_) => Work::Single(Box::new(Batch::new())),
+        };
+        Self { grid, task, work }
+    }
+
+    /// Evaluates positions, which the grid holds; `take` gets the place of each and its answers, and `announce` their places
+    /// some time before.
+    pub(crate) fn evaluate(
+        &mut self,
+        positions: &[Position<D>],
+        announce: Announce<'_>,
+        mut take: impl FnMut(usize, &Answers<D>, usize),
+    ) {
+        let Self { grid, task, work } = self;
+        match work {
+            Work::Double(batch) => evaluate((grid, task, announce), batch, (0, positions), &mut take),
+            Work::Single(batch) => evaluate((grid, task, announce), batch, (0, positions), &mut take),
+        }
+    }
+
+    /// Everything at one position.
+    pub(crate) fn evaluate_one(&mut self, position: Position<D>) -> Local<D> {
+        let mut found = Local::NOWHERE;
+        self.evaluate(&[position], &|_, _| {}, |_, answers, lane| found = answers.local(lane));
+        found
+    }
+}
+
+/// Gathers candidates for the positions unless that has been done; positions too far apart for that are halved first.
+fn evaluate<N: Culled, const D: usize>(
+    (grid, task, announce): (&Grid<D>, &Task, Announce<'_>),
+    batch: &mut Batch<N, D>,
+    (first, positions): (usize, &[Position<D>]),
+    take: &mut impl FnMut(usize, &Answers<D>, usize),
+) {
+    let extent = Extent::around(positions.iter().map(|position| grid.taken_at(position.rounded())));
+    if !batch.candidates.covers(&extent) {
+        let side = grid.typical_side();
+        if extent.longest_side() > (LONGEST_SIDE - 2.0 * MARGIN) * side && positions.len() > 1 {
+            let (left, right) = positions.split_at(positions.len() / 2);
+            evaluate((grid, task, announce), batch, (first, left), take);
+            evaluate((grid, task, announce), batch, (first + left.len(), right), take);
+            return;
+        }
+        let margin = if task.general { MARGIN * side } else { 0.0 };
+        batch.candidates.gather(grid, extent.widened(margin), task.weight.reach(), task.general, task.level);
+    }
+    let capacity = batch.capacity();
+    for (i, positions) in positions.chunks(capacity).enumerate() {
+        let first = first + i * capacity;
+        batch.run(task, grid, positions, &|block, pass| {
+            announce(first + block.start..first + block.end, pass)
+        });
+        for (j, _) in positions.iter().enumerate() {
+            take(first + j, &batch.answers[j / N::BLOCK], j % N::BLOCK);
+        }
+    }
+}
