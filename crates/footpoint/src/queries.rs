@@ -78,22 +78,23 @@ impl<'q, const D: usize> Grouped<'q, D> {
         }
     }
 
-    /// Calls `work` for every group, in parallel, each thread with an evaluator of its own.
-    pub(crate) fn for_each_group(
+    /// Calls `work` for every group, in parallel, each thread with an evaluator and a writer of its own.
+    pub(crate) fn for_each_group<W>(
         &self,
         run: &Run<'_>,
         wanted: Wanted,
-        work: impl Fn(&mut Evaluator<'_, D>, &Group<D>) + Sync + Send,
+        writer: impl Fn() -> W + Sync + Send,
+        work: impl Fn(&mut Evaluator<'_, D>, &Group<D>, &mut W) + Sync + Send,
     ) -> Result<(), Cancelled> {
         let Surface { grid, definition, .. } = self.surface;
         let state = || {
             let group = Group { rows: Vec::new(), positions: Vec::new(), invalid: Vec::new() };
-            (Evaluator::new(grid, definition, run.level(), wanted), group)
+            (Evaluator::new(grid, definition, run.level(), wanted), group, writer())
         };
         let size = |i: usize| self.groups.range(i).len();
-        run.for_each_group(self.groups.count(), size, state, |(evaluator, group), i| {
+        run.for_each_group(self.groups.count(), size, state, |(evaluator, group, writer), i| {
             self.fill(group, i);
-            work(evaluator, group);
+            work(evaluator, group, writer);
         })
     }
 
