@@ -1,14 +1,14 @@
 //! Evaluation: f, its gradient and what belongs to them, in columns.
 
 use crate::algebra::scale;
-use crate::columns::{Answer, Statuses, Table};
-use crate::evaluator::{Local, Position, Wanted};
+use crate::columns::{Counts, Numbers, Statuses};
+use crate::evaluator::{Local, Pass, Position, Wanted};
 use crate::field::NormalField;
 use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
 use crate::status::Status;
 use crate::surface::{Running, Surface};
-use std::ops::BitOr;
+use std::ops::{BitOr, Range};
 
 /// A set of columns of [`Evaluations`]: only these are computed and stored. Join them with `|`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,101 +127,120 @@ impl<const D: usize> Running<'_, D> {
             statistics: want.contains(Want::NEIGHBOURS) || want.contains(Want::EFFECTIVE_NEIGHBOURS),
             eigenvalues: want.contains(Want::EIGENVALUES),
         };
-        let has_gradient = wanted.gradient || wanted.sensitivity;
         let status = Statuses::new(rows);
-        let table = table(columns, &status, want);
-        grouped.for_each_group(
-            self.run,
-            wanted,
-            || table.writer(),
-            |evaluator, group, writer| {
-                evaluator.evaluate(&group.positions, |i, answers, lane| {
-                    let local = answers.local(lane);
-                    let level = has_gradient && local.status.is_ok() && !local.has_surface_normal();
-                    let status = if level { Status::Singular } else { local.status };
-                    writer.put(group.rows[i], status, |answer| {
-                        fill(answer, want, surface, &group.positions[i], &local);
-                    });
-                });
-                for &row in &group.invalid {
-                    let nowhere = Position::at([f64::NAN; D]);
-                    writer.put(row, Status::Invalid, |answer| {
-                        fill(answer, want, surface, &nowhere, &Local::NOWHERE);
-                    });
-                }
-            },
-        )?;
-        drop(table);
+        let has_gradient = wanted.gradient || wanted.sensitivity;
+        let filling = Columns::new(columns, rows, want, &status, has_gradient);
+        grouped.for_each_group(self.run, wanted, |evaluator, group| {
+            let announce = |places: Range<usize>, pass: Pass| {
+                group.rows[places].iter().for_each(|&row| filling.expect(row as usize, pass));
+            };
+            evaluator.evaluate(&group.positions, &announce, |i, answers, lane| {
+                let row = group.rows[i] as usize;
+                filling.put(surface, row, &group.positions[i], &answers.local(lane));
+            });
+            for &row in &group.invalid {
+                filling.put(surface, row as usize, &Position::at([f64::NAN; D]), &Local::NOWHERE);
+                status.put(row as usize, Status::Invalid);
+            }
+        })?;
         status.finish(&mut columns.status);
         Ok(())
     }
 }
 
-/// The wanted columns, to be filled in the order of [`fill`].
-fn table<'c, const D: usize>(to: &'c mut Evaluations<D>, status: &'c Statuses, want: Want) -> Table<'c> {
-    let mut table = Table::new(status);
-    table.add_values(&mut to.value, want.contains(Want::VALUE));
-    table.add_vectors(&mut to.average, want.contains(Want::AVERAGE));
-    table.add_vectors(&mut to.frame_normal, want.contains(Want::FRAME_NORMAL));
-    table.add_vectors(&mut to.gradient, want.contains(Want::GRADIENT));
-    table.add_vectors(&mut to.surface_normal, want.contains(Want::SURFACE_NORMAL));
-    table.add_values(&mut to.gap, want.contains(Want::GAP));
-    table.add_counts(&mut to.neighbours, want.contains(Want::NEIGHBOURS));
-    table.add_values(&mut to.effective_neighbours, want.contains(Want::EFFECTIVE_NEIGHBOURS));
-    table.add_values(&mut to.weight_sum, want.contains(Want::WEIGHT_SUM));
-    table.add_vectors(&mut to.eigenvalues, want.contains(Want::EIGENVALUES));
-    table.add_values(&mut to.squared_sensitivity, want.contains(Want::SQUARED_SENSITIVITY));
-    table.add_values(&mut to.support, want.contains(Want::SUPPORT));
-    table
+/// The columns while threads fill them.
+struct Columns<'c, const D: usize> {
+    value: Numbers<'c, 1>,
+    average: Numbers<'c, D>,
+    frame_normal: Numbers<'c, D>,
+    gradient: Numbers<'c, D>,
+    surface_normal: Numbers<'c, D>,
+    gap: Numbers<'c, 1>,
+    neighbours: Counts<'c>,
+    effective_neighbours: Numbers<'c, 1>,
+    weight_sum: Numbers<'c, 1>,
+    eigenvalues: Numbers<'c, D>,
+    squared_sensitivity: Numbers<'c, 1>,
+    support: Numbers<'c, 1>,
+    status: &'c Statuses,
+    has_gradient: bool,
 }
 
-/// One row of the wanted columns, in the order of [`table`].
-#[inline(always)]
-fn fill<const D: usize>(
-    answer: &mut Answer<'_>,
-    want: Want,
-    surface: &Surface<D>,
-    position: &Position<D>,
-    local: &Local<D>,
-) {
-    let unit = surface.grid.unit;
-    if want.contains(Want::VALUE) {
-        answer.numbers([local.value * unit]);
+impl<'c, const D: usize> Columns<'c, D> {
+    fn new(
+        to: &'c mut Evaluations<D>,
+        rows: usize,
+        want: Want,
+        status: &'c Statuses,
+        has_gradient: bool,
+    ) -> Self {
+        Self {
+            value: Numbers::values(&mut to.value, rows, want.contains(Want::VALUE)),
+            average: Numbers::rows(&mut to.average, rows, want.contains(Want::AVERAGE)),
+            frame_normal: Numbers::rows(&mut to.frame_normal, rows, want.contains(Want::FRAME_NORMAL)),
+            gradient: Numbers::rows(&mut to.gradient, rows, want.contains(Want::GRADIENT)),
+            surface_normal: Numbers::rows(&mut to.surface_normal, rows, want.contains(Want::SURFACE_NORMAL)),
+            gap: Numbers::values(&mut to.gap, rows, want.contains(Want::GAP)),
+            neighbours: Counts::values(&mut to.neighbours, rows, want.contains(Want::NEIGHBOURS)),
+            effective_neighbours: Numbers::values(
+                &mut to.effective_neighbours,
+                rows,
+                want.contains(Want::EFFECTIVE_NEIGHBOURS),
+            ),
+            weight_sum: Numbers::values(&mut to.weight_sum, rows, want.contains(Want::WEIGHT_SUM)),
+            eigenvalues: Numbers::rows(&mut to.eigenvalues, rows, want.contains(Want::EIGENVALUES)),
+            squared_sensitivity: Numbers::values(
+                &mut to.squared_sensitivity,
+                rows,
+                want.contains(Want::SQUARED_SENSITIVITY),
+            ),
+            support: Numbers::values(&mut to.support, rows, want.contains(Want::SUPPORT)),
+            status,
+            has_gradient,
+        }
     }
-    if want.contains(Want::AVERAGE) {
-        let average: [f64; D] = std::array::from_fn(|k| position.anchor[k] + local.aside[k]);
-        answer.numbers(scale(average, unit));
+
+    /// Calls for the memory of a row, which is far from the last one where queries are in random order; half of it before
+    /// each pass, because the processor waits for few lines at a time.
+    #[inline(always)]
+    fn expect(&self, row: usize, pass: Pass) {
+        if pass == Pass::First {
+            self.value.expect(row);
+            self.average.expect(row);
+            self.frame_normal.expect(row);
+            self.gap.expect(row);
+            self.neighbours.expect(row);
+            self.effective_neighbours.expect(row);
+        } else {
+            self.gradient.expect(row);
+            self.surface_normal.expect(row);
+            self.weight_sum.expect(row);
+            self.eigenvalues.expect(row);
+            self.squared_sensitivity.expect(row);
+            self.support.expect(row);
+            self.status.expect(row);
+        }
     }
-    if want.contains(Want::FRAME_NORMAL) {
-        answer.numbers(local.normal);
-    }
-    if want.contains(Want::GRADIENT) {
-        answer.numbers(local.gradient);
-    }
-    if want.contains(Want::SURFACE_NORMAL) {
-        answer.numbers(local.surface_normal);
-    }
-    if want.contains(Want::GAP) {
-        answer.numbers([local.gap]);
-    }
-    if want.contains(Want::NEIGHBOURS) {
-        answer.count(local.neighbours);
-    }
-    if want.contains(Want::EFFECTIVE_NEIGHBOURS) {
-        answer.numbers([local.effective_neighbours]);
-    }
-    if want.contains(Want::WEIGHT_SUM) {
-        answer.numbers([local.weight_sum]);
-    }
-    if want.contains(Want::EIGENVALUES) {
+
+    #[inline(always)]
+    fn put(&self, surface: &Surface<D>, row: usize, position: &Position<D>, local: &Local<D>) {
+        let unit = surface.grid.unit;
         // Moments of positions carry a square of the unit, moments of normals none.
-        let axes = surface.definition.field() == NormalField::AveragedAxes;
-        answer.numbers(scale(local.eigenvalues, if axes { 1.0 } else { unit * unit }));
-    }
-    if want.contains(Want::SQUARED_SENSITIVITY) {
-        answer.numbers([local.sensitivity]);
-    }
-    if want.contains(Want::SUPPORT) {
-        answer.numbers([local.support * unit]);
+        let moment = if surface.definition.field() == NormalField::AveragedAxes { 1.0 } else { unit * unit };
+        self.value.put(row, [local.value * unit]);
+        let average: [f64; D] = std::array::from_fn(|k| position.anchor[k] + local.aside[k]);
+        self.average.put(row, scale(average, unit));
+        self.frame_normal.put(row, local.normal);
+        self.gradient.put(row, local.gradient);
+        self.surface_normal.put(row, local.surface_normal);
+        self.gap.put(row, [local.gap]);
+        self.neighbours.put(row, local.neighbours);
+        self.effective_neighbours.put(row, [local.effective_neighbours]);
+        self.weight_sum.put(row, [local.weight_sum]);
+        self.eigenvalues.put(row, scale(local.eigenvalues, moment));
+        self.squared_sensitivity.put(row, [local.sensitivity]);
+        self.support.put(row, [local.support * unit]);
+        let level = self.has_gradient && local.status.is_ok() && !local.has_surface_normal();
+        self.status.put(row, if level { Status::Singular } else { local.status });
     }
 }

@@ -369,6 +369,20 @@ where
     }
 }
 
+/// Asks the processor to have this memory at hand soon, for writing.
+#[allow(unsafe_code)]
+#[inline(always)]
+pub(crate) fn prefetch<T>(target: &T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_ET0, _mm_prefetch};
+        // SAFETY: a prefetch neither reads nor writes; the reference points to memory that is there.
+        unsafe { _mm_prefetch::<_MM_HINT_ET0>(std::ptr::from_ref(target).cast()) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = target;
+}
+
 /// Runs `$body` with `$simd` bound to the proof of the level: AVX-512, AVX2, NEON, or what every processor of the kind has.
 /// Everything below it must be inlined, so that it is compiled for the level.
 macro_rules! vectorized {

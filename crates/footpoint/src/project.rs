@@ -1,7 +1,7 @@
 //! Projection onto the surface: the operators of SPEC § 6 and their statuses.
 
 use crate::algebra::{Vector, add_scaled, dot, length, scale, sub};
-use crate::columns::{Statuses, Table, Writer};
+use crate::columns::{Counts, Numbers, Statuses};
 use crate::evaluator::{Evaluator, Local, Position, Wanted};
 use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
@@ -155,50 +155,44 @@ impl<const D: usize> Running<'_, D> {
         let queries = points.into();
         let points = queries.points(surface);
         let grouped = Grouped::new(surface, queries, self.run);
+        let rows = points.len();
         let mut found = Projections::default();
-        let status = Statuses::new(points.len());
-        let mut table = Table::new(&status);
-        table.add_vectors(&mut found.point, true);
-        table.add_vectors(&mut found.surface_normal, true);
-        table.add_vectors(&mut found.frame_normal, true);
-        table.add_values(&mut found.distance, true);
-        table.add_values(&mut found.residual, true);
-        table.add_counts(&mut found.evaluations, true);
-        let unit = surface.grid.unit;
-        let put = |writer: &mut Writer<'_>, row: u32, verdict: Status, moving: &Moving<D>| {
-            writer.put(row, verdict, |answer| {
-                if verdict.is_ok() {
-                    answer.numbers(scale(moving.position.rounded(), unit));
-                    answer.numbers(moving.local.surface_normal);
-                    answer.numbers(moving.local.normal);
-                    answer.numbers([moving.distance(surface.sign()) * unit]);
-                } else {
-                    answer.numbers(points[row as usize]);
-                    answer.numbers([f64::NAN; D]);
-                    answer.numbers([f64::NAN; D]);
-                    answer.numbers([f64::NAN]);
-                }
-                answer.numbers([moving.residual * unit]);
-                answer.count(moving.evaluations);
-            });
-        };
+        let status = Statuses::new(rows);
         let wanted = Wanted { moving: true, gradient: true, ..Wanted::default() };
-        grouped.for_each_group(
-            self.run,
-            wanted,
-            || table.writer(),
-            |evaluator, group, writer| {
+        {
+            let point = Numbers::rows(&mut found.point, rows, true);
+            let surface_normal = Numbers::rows(&mut found.surface_normal, rows, true);
+            let frame_normal = Numbers::rows(&mut found.frame_normal, rows, true);
+            let distance = Numbers::values(&mut found.distance, rows, true);
+            let residual = Numbers::values(&mut found.residual, rows, true);
+            let evaluations = Counts::values(&mut found.evaluations, rows, true);
+            let put = |row: usize, verdict: Status, moving: &Moving<D>| {
+                status.put(row, verdict);
+                evaluations.put(row, moving.evaluations);
+                residual.put(row, [moving.residual * surface.grid.unit]);
+                if verdict.is_ok() {
+                    point.put(row, scale(moving.position.rounded(), surface.grid.unit));
+                    surface_normal.put(row, moving.local.surface_normal);
+                    frame_normal.put(row, moving.local.normal);
+                    distance.put(row, [moving.distance(surface.sign()) * surface.grid.unit]);
+                } else {
+                    point.put(row, points[row]);
+                    surface_normal.put(row, [f64::NAN; D]);
+                    frame_normal.put(row, [f64::NAN; D]);
+                    distance.put(row, [f64::NAN]);
+                }
+            };
+            grouped.for_each_group(self.run, wanted, |evaluator, group| {
                 let mut moving: Vec<Moving<D>> = group.positions.iter().map(|&at| Moving::new(at)).collect();
                 iterate((surface, evaluator), &mut moving, how, ATTEMPTS, |_, _| {});
                 for (&row, moving) in group.rows.iter().zip(&moving) {
-                    put(writer, row, moving.verdict(surface), moving);
+                    put(row as usize, moving.verdict(surface), moving);
                 }
                 for &row in &group.invalid {
-                    put(writer, row, Status::Invalid, &Moving::new(Position::at([f64::NAN; D])));
+                    put(row as usize, Status::Invalid, &Moving::new(Position::at([f64::NAN; D])));
                 }
-            },
-        )?;
-        drop(table);
+            })?;
+        }
         status.finish(&mut found.status);
         Ok(found)
     }
@@ -342,7 +336,7 @@ fn iterate<const D: usize>(
         positions.clear();
         positions.extend(under_way.iter().map(|&i| points[i].position));
         moves.clear();
-        evaluator.evaluate(&positions, |place, answers, lane| {
+        evaluator.evaluate(&positions, &|_, _| {}, |place, answers, lane| {
             let local = answers.local(lane);
             observe(&positions[place], &local);
             let point = &mut points[under_way[place]];

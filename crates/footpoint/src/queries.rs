@@ -78,23 +78,22 @@ impl<'q, const D: usize> Grouped<'q, D> {
         }
     }
 
-    /// Calls `work` for every group, in parallel, each thread with an evaluator and a writer of its own.
-    pub(crate) fn for_each_group<W>(
+    /// Calls `work` for every group, in parallel, each thread with an evaluator of its own.
+    pub(crate) fn for_each_group(
         &self,
         run: &Run<'_>,
         wanted: Wanted,
-        writer: impl Fn() -> W + Sync + Send,
-        work: impl Fn(&mut Evaluator<'_, D>, &Group<D>, &mut W) + Sync + Send,
+        work: impl Fn(&mut Evaluator<'_, D>, &Group<D>) + Sync + Send,
     ) -> Result<(), Cancelled> {
         let Surface { grid, definition, .. } = self.surface;
         let state = || {
             let group = Group { rows: Vec::new(), positions: Vec::new(), invalid: Vec::new() };
-            (Evaluator::new(grid, definition, run.level(), wanted), group, writer())
+            (Evaluator::new(grid, definition, run.level(), wanted), group)
         };
         let size = |i: usize| self.groups.range(i).len();
-        run.for_each_group(self.groups.count(), size, state, |(evaluator, group, writer), i| {
+        run.for_each_group(self.groups.count(), size, state, |(evaluator, group), i| {
             self.fill(group, i);
-            work(evaluator, group, writer);
+            work(evaluator, group);
         })
     }
 

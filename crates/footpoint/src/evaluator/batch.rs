@@ -38,6 +38,16 @@ pub(super) struct Task {
     pub(super) eigenvalues: bool,
 }
 
+/// Told of each block before either pass over its candidates: the time to call for the memory that its answers will go to.
+pub(crate) type Announce<'a> = &'a dyn Fn(std::ops::Range<usize>, Pass);
+
+/// The passes over a block's candidates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    First,
+    Second,
+}
+
 impl Task {
     fn needs_statistics(&self) -> bool {
         self.statistics || self.domain_ratio < 1.0
@@ -118,7 +128,13 @@ impl<N: Culled, const D: usize> Batch<N, D> {
     }
 
     /// Evaluates positions that the candidates cover, `capacity` at most: the answers of block after block.
-    pub(super) fn run(&mut self, task: &Task, grid: &Grid<D>, positions: &[Position<D>]) {
+    pub(super) fn run(
+        &mut self,
+        task: &Task,
+        grid: &Grid<D>,
+        positions: &[Position<D>],
+        announce: Announce<'_>,
+    ) {
         self.blocks.clear();
         self.boxes.clear();
         for positions in positions.chunks(N::BLOCK) {
@@ -127,7 +143,11 @@ impl<N: Culled, const D: usize> Batch<N, D> {
         self.ends.clear();
         self.candidates.sift(&self.boxes, task.level, &mut self.places, &mut self.ends);
         self.answers.resize(self.blocks.len(), Answers::NOWHERE);
-        run_stages(task, self);
+        let count = positions.len();
+        run_stages(task, self, &|block, pass| {
+            let begin = block * N::BLOCK;
+            announce(begin..count.min(begin + N::BLOCK), pass);
+        });
     }
 
     fn add_block(&mut self, grid: &Grid<D>, positions: &[Position<D>]) {
@@ -162,29 +182,33 @@ impl<N: Culled, const D: usize> Batch<N, D> {
 ///
 /// Both are found again at run time, so that the kernels are compiled once, with the library, and not
 /// again in every crate that uses it.
-fn run_stages(task: &Task, batch: &mut dyn Any) {
-    fn sized<N: Culled, const D: usize>(task: &Task, batch: &mut dyn Any) {
+fn run_stages(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
+    fn sized<N: Culled, const D: usize>(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
         let Some(batch) = batch.downcast_mut::<Batch<N, D>>() else { return };
         if task.general {
-            stages::<N, General, D>(task, batch);
+            stages::<N, General, D>(task, batch, announce);
         } else {
-            stages::<N, Plain, D>(task, batch);
+            stages::<N, Plain, D>(task, batch, announce);
         }
     }
-    sized::<f64, 3>(task, batch);
-    sized::<f64, 2>(task, batch);
-    sized::<f32, 3>(task, batch);
-    sized::<f32, 2>(task, batch);
+    sized::<f64, 3>(task, batch, announce);
+    sized::<f64, 2>(task, batch, announce);
+    sized::<f32, 3>(task, batch, announce);
+    sized::<f32, 2>(task, batch, announce);
 }
 
-fn stages<N: Culled, M: Mode, const D: usize>(task: &Task, batch: &mut Batch<N, D>) {
+fn stages<N: Culled, M: Mode, const D: usize>(
+    task: &Task,
+    batch: &mut Batch<N, D>,
+    announce: &dyn Fn(usize, Pass),
+) {
     with_kernel!(task.weight, kernel => {
-        vectorized!(task.level, simd => value_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, batch));
+        vectorized!(task.level, simd => value_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, (batch, announce)));
     });
     vectorized!(task.level, simd => frames::<N::Lanes<_>, N, D>(simd, task, batch));
     if task.gradient {
         with_kernel!(task.weight, kernel => {
-            vectorized!(task.level, simd => gradient_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, batch));
+            vectorized!(task.level, simd => gradient_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, (batch, announce)));
         });
     }
     vectorized!(task.level, simd => answers::<N::Lanes<_>, N, D>(simd, task, batch));
@@ -221,7 +245,7 @@ fn value_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
     token: L::Token,
     kernel: K,
     task: &Task,
-    batch: &mut Batch<N, D>,
+    (batch, announce): (&mut Batch<N, D>, &dyn Fn(usize, Pass)),
 ) {
     let parts = N::BLOCK / L::WIDTH;
     let mut units = std::mem::take(&mut batch.units);
@@ -234,6 +258,7 @@ fn value_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
     let mut rest = kept.as_mut_slice();
     for (b, block) in batch.blocks.iter().enumerate() {
         let list = batch.list(b);
+        announce(b, Pass::First);
         for part in 0..parts {
             let lane = part * L::WIDTH;
             let mut unit = Unit::new(b, lane);
@@ -266,12 +291,15 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
     token: L::Token,
     kernel: K,
     task: &Task,
-    batch: &mut Batch<N, D>,
+    (batch, announce): (&mut Batch<N, D>, &dyn Fn(usize, Pass)),
 ) {
     let mut units = std::mem::take(&mut batch.units);
     let mut begin = 0;
     for unit in &mut units {
         let list = batch.list(unit.block);
+        if unit.lane == 0 {
+            announce(unit.block, Pass::Second);
+        }
         let kept = &batch.kept[begin..begin + list.places.len()];
         begin += list.places.len();
         let x = place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane);

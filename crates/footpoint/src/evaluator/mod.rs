@@ -10,7 +10,8 @@ pub(crate) use crate::engine::Position;
 use crate::engine::{Culled, Extent};
 use crate::grid::{Grid, Store};
 pub(crate) use answers::{Answers, Local};
-use batch::{Batch, Task};
+pub(crate) use batch::Pass;
+use batch::{Announce, Batch, Task};
 use fearless_simd::Level;
 
 /// What to compute.
@@ -67,23 +68,25 @@ impl<'s, const D: usize> Evaluator<'s, D> {
         Self { grid, task, work }
     }
 
-    /// Evaluates positions, which the grid holds; `take` gets the place of each and its answers.
+    /// Evaluates positions, which the grid holds; `take` gets the place of each and its answers, and `announce` their places
+    /// some time before.
     pub(crate) fn evaluate(
         &mut self,
         positions: &[Position<D>],
+        announce: Announce<'_>,
         mut take: impl FnMut(usize, &Answers<D>, usize),
     ) {
         let Self { grid, task, work } = self;
         match work {
-            Work::Double(batch) => evaluate((grid, task), batch, (0, positions), &mut take),
-            Work::Single(batch) => evaluate((grid, task), batch, (0, positions), &mut take),
+            Work::Double(batch) => evaluate((grid, task, announce), batch, (0, positions), &mut take),
+            Work::Single(batch) => evaluate((grid, task, announce), batch, (0, positions), &mut take),
         }
     }
 }
 
 /// Gathers candidates for the positions unless that has been done; positions too far apart for that are halved first.
 fn evaluate<N: Culled, const D: usize>(
-    (grid, task): (&Grid<D>, &Task),
+    (grid, task, announce): (&Grid<D>, &Task, Announce<'_>),
     batch: &mut Batch<N, D>,
     (first, positions): (usize, &[Position<D>]),
     take: &mut impl FnMut(usize, &Answers<D>, usize),
@@ -93,8 +96,8 @@ fn evaluate<N: Culled, const D: usize>(
         let side = grid.typical_side();
         if extent.longest_side() > (LONGEST_SIDE - 2.0 * MARGIN) * side && positions.len() > 1 {
             let (left, right) = positions.split_at(positions.len() / 2);
-            evaluate((grid, task), batch, (first, left), take);
-            evaluate((grid, task), batch, (first + left.len(), right), take);
+            evaluate((grid, task, announce), batch, (first, left), take);
+            evaluate((grid, task, announce), batch, (first + left.len(), right), take);
             return;
         }
         let margin = if task.general { MARGIN * side } else { 0.0 };
@@ -103,7 +106,9 @@ fn evaluate<N: Culled, const D: usize>(
     let capacity = batch.capacity();
     for (i, positions) in positions.chunks(capacity).enumerate() {
         let first = first + i * capacity;
-        batch.run(task, grid, positions);
+        batch.run(task, grid, positions, &|block, pass| {
+            announce(first + block.start..first + block.end, pass)
+        });
         for (j, _) in positions.iter().enumerate() {
             take(first + j, &batch.answers[j / N::BLOCK], j % N::BLOCK);
         }
