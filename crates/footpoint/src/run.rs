@@ -4,7 +4,7 @@ use fearless_simd::Level;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Groups that one thread takes at a time: enough to hide the bookkeeping, few enough to share evenly.
-const GROUPS_AT_A_TIME: usize = 8;
+const GROUPS_AT_A_TIME: usize = 2;
 
 /// How to run: who does not care takes the default (all cores, silent, not cancellable).
 ///

@@ -13,7 +13,7 @@ const CRATES: [(&str, &[&str]); 4] = [
 ];
 
 /// The library's rooms, lowest first: each may use only those before it.
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 21] = [
     "written",
     "lane",
     "status",
@@ -21,13 +21,14 @@ const ROOMS: [&str; 20] = [
     "samples",
     "eigen",
     "weight",
+    "field",
     "columns",
     "run",
     "cloud",
     "support",
     "grid",
     "engine",
-    "field",
+    "frame",
     "definition",
     "evaluator",
     "surface",
@@ -103,7 +104,7 @@ fn rooms_use_only_lower_rooms() {
     for path in sources(&src) {
         let inside = path.strip_prefix(&src).unwrap().to_str().unwrap();
         let room = inside.split(['/', '.']).next().unwrap();
-        if room == "lib" || inside == "engine/oracle.rs" || inside == "engine/tests.rs" {
+        if room == "lib" || inside == "engine/oracle.rs" || inside == "evaluator/tests.rs" {
             continue;
         }
         let rank =
@@ -129,8 +130,9 @@ fn no_unsafe_and_no_overlong_file() {
             let text = fs::read_to_string(&path).unwrap();
             let lines = text.lines().count();
             assert!(lines <= LONGEST_FILE, "{}: {lines} lines", path.display());
-            // The compiler forbids it everywhere; a later exception must be made here too.
-            assert!(!text.contains("unsafe {"), "{} holds unsafe code", path.display());
+            // The compiler denies it everywhere but for one line of the room of vectors: a hint to the processor.
+            let allowed = usize::from(path.ends_with("footpoint/src/lane.rs"));
+            assert!(text.matches("unsafe {").count() <= allowed, "{} holds unsafe code", path.display());
             assert!(text.starts_with("//! "), "{} does not say its subject first", path.display());
         }
     }

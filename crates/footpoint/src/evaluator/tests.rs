@@ -135,7 +135,9 @@ fn off_the_oracle<const D: usize>(precision: Precision, wanted: Wanted, bounds: 
                 ];
                 for k in 0..4 {
                     let case = format!("{weight:?} {field:?} {per_sample} {factors} {k}");
-                    assert!(errors[k] <= bounds[k], "{case}: {:e}, gap {}", errors[k], local.gap);
+                    // The Gaussian's support is several of its h: angles are that much less sharp in single precision.
+                    let bound = if k == 1 || k == 2 { bounds[k] * weight.reach() } else { bounds[k] };
+                    assert!(errors[k] <= bound, "{case}: {:e}, gap {}", errors[k], local.gap);
                     worst[k] = worst[k].max(errors[k]);
                 }
             }
