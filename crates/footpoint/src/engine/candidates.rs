@@ -34,7 +34,7 @@ impl<const D: usize> Extent<D> {
         (0..D).all(|k| self.low[k] <= other.low[k] && other.high[k] <= self.high[k])
     }
 
-    fn joined(self, other: &Self) -> Self {
+    pub(crate) fn joined(self, other: &Self) -> Self {
         Self {
             low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
             high: std::array::from_fn(|k| self.high[k].max(other.high[k])),
@@ -43,6 +43,13 @@ impl<const D: usize> Extent<D> {
 
     pub(crate) fn longest_side(&self) -> f64 {
         (0..D).fold(0.0, |m: f64, k| m.max(self.high[k] - self.low[k]))
+    }
+
+    /// What the number of samples within reach of the box grows with, on a curve (D = 2) or a surface (3).
+    pub(crate) fn samples_around(&self, reach: f64) -> f64 {
+        let mut sides: [f64; D] = std::array::from_fn(|k| self.high[k] - self.low[k] + 2.0 * reach);
+        sides.sort_unstable_by(|a, b| b.total_cmp(a));
+        sides[..D - 1].iter().product()
     }
 
     fn middle(&self) -> [f64; D] {
@@ -137,6 +144,8 @@ const WIDEST: usize = 16;
 
 /// How positions enter columns of a number.
 pub(crate) trait Culled: Number {
+    /// Whether positions move away from their anchors.
+    const HAS_OFFSETS: bool;
     /// The centre that coordinates may be relative to.
     fn centre(middle: f64) -> f64;
     /// A coordinate relative to the centre.
@@ -148,6 +157,8 @@ pub(crate) trait Culled: Number {
 }
 
 impl Culled for f64 {
+    const HAS_OFFSETS: bool = true;
+
     fn centre(middle: f64) -> f64 {
         middle
     }
@@ -167,6 +178,8 @@ impl Culled for f64 {
 }
 
 impl Culled for f32 {
+    const HAS_OFFSETS: bool = false;
+
     fn centre(middle: f64) -> f64 {
         (middle / LATTICE).round_ties_even() * LATTICE
     }
@@ -219,7 +232,7 @@ impl<N: Culled, const D: usize> Candidates<N, D> {
         grid: &Grid<D>,
         extent: Extent<D>,
         weight_reach: f64,
-        general: bool,
+        varied: bool,
         level: Level,
     ) {
         self.covered = extent;
@@ -243,7 +256,7 @@ impl<N: Culled, const D: usize> Candidates<N, D> {
             }
         });
         columns.len = columns.points[0].len();
-        if general {
+        if varied {
             self.complete(grid);
         }
         self.prepare_culling(grid, weight_reach, level);

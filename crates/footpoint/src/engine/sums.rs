@@ -38,18 +38,30 @@ pub(crate) struct List<'a, N, const D: usize> {
     pub(crate) places: &'a [u32],
 }
 
-/// How the hot loops take samples and positions.
+/// How the hot loops take samples and positions: what is known to be equal or at rest saves a part of them.
 pub(crate) trait Mode {
-    /// Supports and factors differ, or positions move: `false` saves a third of the loop.
-    const GENERAL: bool;
+    /// Supports or factors differ.
+    const VARIED: bool;
+    /// Positions have an offset.
+    const MOVED: bool;
 }
+/// One support, no factors, positions at their anchors.
 pub(crate) struct Plain;
+/// One support, no factors.
+pub(crate) struct Moved;
+/// Whatever there is.
 pub(crate) struct General;
 impl Mode for Plain {
-    const GENERAL: bool = false;
+    const VARIED: bool = false;
+    const MOVED: bool = false;
+}
+impl Mode for Moved {
+    const VARIED: bool = false;
+    const MOVED: bool = true;
 }
 impl Mode for General {
-    const GENERAL: bool = true;
+    const VARIED: bool = true;
+    const MOVED: bool = true;
 }
 
 /// Sums of the first pass (SPEC § 1), lengths in units of the grid.
@@ -132,7 +144,7 @@ fn to_sample<L: Lane, M: Mode, const D: usize>(
     each(|k| {
         let p = L::broadcast(x.anchor[k].token(), points[k][j]);
         let d = p - x.anchor[k];
-        if M::GENERAL { d - x.offset[k] } else { d }
+        if M::MOVED { d - x.offset[k] } else { d }
     })
 }
 
@@ -145,7 +157,7 @@ fn closeness<L: Lane, K: Kernel, M: Mode, const D: usize>(
     d: Vector<L, D>,
     [square, inverse]: [L; 2],
 ) -> L {
-    if M::GENERAL {
+    if M::VARIED {
         kernel.closeness(dot(d, d) * L::broadcast(square.token(), columns.inverse[j]))
     } else {
         kernel.uniform_closeness(d, square, inverse)
@@ -211,7 +223,7 @@ fn sum<L: Lane, K: Kernel, M: Mode, const D: usize, const MOMENTS: bool>(
         let closeness = closeness::<L, K, M, D>(kernel, columns, j, d, constants);
         closeness.store(kept);
         let mut theta = kernel.theta(closeness);
-        if M::GENERAL {
+        if M::VARIED {
             theta = theta * L::broadcast(token, columns.factors[j]);
             sums.scales = theta.mul_add(L::broadcast(token, columns.scales[j]), sums.scales);
         }
@@ -233,7 +245,7 @@ fn sum<L: Lane, K: Kernel, M: Mode, const D: usize, const MOMENTS: bool>(
             }
         }
     }
-    if !M::GENERAL {
+    if !M::VARIED {
         let factor = L::splat(token, kernel.uniform_constants(h)[1]);
         sums.weight = sums.weight * factor;
         sums.first = scale(sums.first, factor);
@@ -250,7 +262,7 @@ fn sum<L: Lane, K: Kernel, M: Mode, const D: usize, const MOMENTS: bool>(
 /// The sums that only some columns of the answer need, from what the first pass kept.
 #[inline(always)]
 pub(crate) fn statistics<L: Lane, K: Kernel, const D: usize>(
-    (token, general): (L::Token, bool),
+    (token, varied): (L::Token, bool),
     kernel: K,
     list: List<'_, L::Number, D>,
     kept: &[L::Slot],
@@ -259,13 +271,13 @@ pub(crate) fn statistics<L: Lane, K: Kernel, const D: usize>(
     let nought = L::splat(token, 0.0);
     let one = L::splat(token, 1.0);
     let [_, theta_factor, _] = kernel.uniform_constants(list.columns.uniform_scale);
-    let theta_factor = L::splat(token, if general { 1.0 } else { theta_factor });
-    let limit = domain_limit::<L, K, D>((token, general), kernel, list.columns, domain_ratio);
+    let theta_factor = L::splat(token, if varied { 1.0 } else { theta_factor });
+    let limit = domain_limit::<L, K, D>((token, varied), kernel, list.columns, domain_ratio);
     let mut sums = Statistics { squares: nought, neighbours: nought, inside: nought };
     for (&place, kept) in list.places.iter().zip(kept) {
         let closeness = L::load(token, kept);
         let mut theta = kernel.theta(closeness) * theta_factor;
-        if general {
+        if varied {
             theta = theta * L::broadcast(token, list.columns.factors[place as usize]);
         }
         sums.squares = theta.mul_add(theta, sums.squares);
@@ -278,14 +290,14 @@ pub(crate) fn statistics<L: Lane, K: Kernel, const D: usize>(
 /// Closeness on the rim of the domain's balls (eq. 1).
 #[inline(always)]
 fn domain_limit<L: Lane, K: Kernel, const D: usize>(
-    (token, general): (L::Token, bool),
+    (token, varied): (L::Token, bool),
     kernel: K,
     columns: &Columns<L::Number, D>,
     domain_ratio: f64,
 ) -> L {
     let limit = kernel.closeness(kernel.end() * domain_ratio * domain_ratio);
     let [factor, ..] = kernel.uniform_constants(columns.uniform_scale);
-    L::splat(token, if general { limit } else { limit / factor })
+    L::splat(token, if varied { limit } else { limit / factor })
 }
 
 /// Pass two: Σ ψ c d, from which ∇f comes. Sample i enters ∇f with −G_i, `G_i = −(1/S) [ψ_i c_i d_i + θ_i t_i]` (SPEC § 10);
@@ -358,7 +370,7 @@ fn contract<L: Lane, K: Kernel, M: Mode, const D: usize, const FIELD: u8>(
         }
         let d = to_sample::<L, M, D>(&points, j, x);
         let mut psi = kernel.psi(L::load(token, kept));
-        if M::GENERAL {
+        if M::VARIED {
             psi = psi * L::broadcast(token, columns.slopes[j]);
         }
         let normal =
@@ -366,7 +378,7 @@ fn contract<L: Lane, K: Kernel, M: Mode, const D: usize, const FIELD: u8>(
         let c = sensitivity_scalar::<L, D, FIELD>(frame, constants, d, normal);
         gradient = add_scaled(gradient, d, psi * c);
     }
-    if M::GENERAL { gradient } else { scale(gradient, psi_factor(token, kernel, columns)) }
+    if M::VARIED { gradient } else { scale(gradient, psi_factor(token, kernel, columns)) }
 }
 
 /// What plain mode leaves out of ψ.
@@ -384,7 +396,7 @@ fn psi_factor<L: Lane, K: Kernel, const D: usize>(
 /// the averaged fields.
 #[inline(always)]
 pub(crate) fn sensitivity<L: Lane, K: Kernel, const D: usize>(
-    general: bool,
+    varied: bool,
     kernel: K,
     list: List<'_, L::Number, D>,
     x: &Place<L, D>,
@@ -392,16 +404,16 @@ pub(crate) fn sensitivity<L: Lane, K: Kernel, const D: usize>(
     kept: &[L::Slot],
 ) -> L {
     match field {
-        NormalField::Covariance => squares::<L, K, D, 0>((general, kernel), list, x, frame, kept),
-        NormalField::CentredCovariance => squares::<L, K, D, 1>((general, kernel), list, x, frame, kept),
-        NormalField::AveragedNormals => squares::<L, K, D, 2>((general, kernel), list, x, frame, kept),
-        NormalField::AveragedAxes => squares::<L, K, D, 3>((general, kernel), list, x, frame, kept),
+        NormalField::Covariance => squares::<L, K, D, 0>((varied, kernel), list, x, frame, kept),
+        NormalField::CentredCovariance => squares::<L, K, D, 1>((varied, kernel), list, x, frame, kept),
+        NormalField::AveragedNormals => squares::<L, K, D, 2>((varied, kernel), list, x, frame, kept),
+        NormalField::AveragedAxes => squares::<L, K, D, 3>((varied, kernel), list, x, frame, kept),
     }
 }
 
 #[inline(always)]
 fn squares<L: Lane, K: Kernel, const D: usize, const FIELD: u8>(
-    (general, kernel): (bool, K),
+    (varied, kernel): (bool, K),
     list: List<'_, L::Number, D>,
     x: &Place<L, D>,
     frame: &Frame<L, D>,
@@ -419,7 +431,7 @@ fn squares<L: Lane, K: Kernel, const D: usize, const FIELD: u8>(
         let d = to_sample::<L, General, D>(&points, j, x);
         let closeness = L::load(token, kept);
         let number = |column: &[L::Number]| L::broadcast(token, column[j]);
-        let (theta, psi) = if general {
+        let (theta, psi) = if varied {
             (number(&columns.factors), number(&columns.slopes))
         } else {
             (uniform_theta, uniform_psi)

@@ -6,8 +6,8 @@
 use super::answers::{Answers, LANES};
 use crate::algebra::{dot, each};
 use crate::engine::{
-    Candidates, Culled, Extent, Frame, FrameSums, General, List, Mode, Place, Plain, Position, Statistics,
-    first_pass, second_pass, sensitivity, statistics,
+    Candidates, Culled, Extent, Frame, FrameSums, General, List, Mode, Moved, Place, Plain, Position,
+    Statistics, first_pass, second_pass, sensitivity, statistics,
 };
 use crate::field::NormalField;
 use crate::frame::{Fit, fit, gradient};
@@ -16,6 +16,7 @@ use crate::lane::{Lane, Number, vectorized};
 use crate::weight::{Kernel, Weight, with_kernel};
 use fearless_simd::Level;
 use std::any::Any;
+use std::ops::Range;
 
 /// Blocks of a batch, at most: more would leave the fastest cache.
 pub(super) const BLOCKS: usize = 8;
@@ -30,8 +31,10 @@ pub(super) struct Task {
     pub(super) weight: Weight,
     pub(super) field: NormalField,
     pub(super) domain_ratio: f64,
-    /// Supports or factors differ, or positions move.
-    pub(super) general: bool,
+    /// Supports or factors differ.
+    pub(super) varied: bool,
+    /// Positions have an offset.
+    pub(super) moved: bool,
     pub(super) gradient: bool,
     pub(super) sensitivity: bool,
     pub(super) statistics: bool,
@@ -39,7 +42,7 @@ pub(super) struct Task {
 }
 
 /// Told of each block before either pass over its candidates: the time to call for the memory that its answers will go to.
-pub(crate) type Announce<'a> = &'a dyn Fn(std::ops::Range<usize>, Pass);
+pub(crate) type Announce<'a> = &'a dyn Fn(Range<usize>, Pass);
 
 /// The passes over a block's candidates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,13 +57,15 @@ impl Task {
     }
 }
 
-/// Positions of a block. Lanes without one of their own repeat the last.
+/// Positions of a block.
 #[derive(Debug)]
 struct Block<N: Number, const D: usize> {
     anchor: [N::Slot; D],
     offset: [N::Slot; D],
     /// What single precision rounded away.
     residual: [[f64; LANES]; D],
+    /// Which of the run's positions these are.
+    positions: Range<usize>,
 }
 
 /// One vector's share of a block, and what the stages leave for each other.
@@ -105,7 +110,7 @@ pub(super) struct Batch<N: Number, const D: usize> {
     ends: Vec<usize>,
     /// Closeness of every candidate to every position, unit by unit.
     kept: Vec<N::Slot>,
-    pub(super) answers: Vec<Answers<D>>,
+    answers: Vec<Answers<D>>,
 }
 
 impl<N: Culled, const D: usize> Batch<N, D> {
@@ -122,53 +127,71 @@ impl<N: Culled, const D: usize> Batch<N, D> {
         }
     }
 
-    /// Positions that one run takes, at most.
-    pub(super) fn capacity(&self) -> usize {
-        N::BLOCK * (PLACES / self.candidates.columns.len.max(1)).clamp(1, BLOCKS)
-    }
-
-    /// Evaluates positions that the candidates cover, `capacity` at most: the answers of block after block.
+    /// Evaluates the first of these positions, which the candidates cover, and returns how many they are.
     pub(super) fn run(
         &mut self,
         task: &Task,
         grid: &Grid<D>,
         positions: &[Position<D>],
         announce: Announce<'_>,
-    ) {
+    ) -> usize {
         self.blocks.clear();
         self.boxes.clear();
-        for positions in positions.chunks(N::BLOCK) {
-            self.add_block(grid, positions);
+        // Supports are about so wide.
+        let reach = 0.7 * grid.typical_side();
+        let most = (PLACES / self.candidates.columns.len.max(1)).clamp(1, BLOCKS);
+        let mut taken = 0;
+        while taken < positions.len() && self.blocks.len() < most {
+            taken += self.add_block(grid, reach, taken, &positions[taken..]);
         }
         self.ends.clear();
         self.candidates.sift(&self.boxes, task.level, &mut self.places, &mut self.ends);
         self.answers.resize(self.blocks.len(), Answers::NOWHERE);
-        let count = positions.len();
-        run_stages(task, self, &|block, pass| {
-            let begin = block * N::BLOCK;
-            announce(begin..count.min(begin + N::BLOCK), pass);
-        });
+        let places: Vec<Range<usize>> = self.blocks.iter().map(|block| block.positions.clone()).collect();
+        run_stages(task, self, &|block, pass| announce(places[block].clone(), pass));
+        taken
     }
 
-    fn add_block(&mut self, grid: &Grid<D>, positions: &[Position<D>]) {
+    /// Makes a block of the first of these positions: as many as a vector holds, unless they are so far apart that their
+    /// common list is longer than two. The first is number `first`.
+    fn add_block(&mut self, grid: &Grid<D>, reach: f64, first: usize, positions: &[Position<D>]) -> usize {
         let centre = self.candidates.centre;
-        let mut block =
-            Block { anchor: [N::ZERO_SLOT; D], offset: [N::ZERO_SLOT; D], residual: [[0.0; LANES]; D] };
-        let mut taken_at = [[0.0; D]; LANES];
+        let mut block = Block {
+            anchor: [N::ZERO_SLOT; D],
+            offset: [N::ZERO_SLOT; D],
+            residual: [[0.0; LANES]; D],
+            positions: first..first,
+        };
+        let mut extent = Extent::NOTHING;
+        let mut cost = 0.0;
+        let single = Extent::around([[0.0; D]].into_iter()).samples_around(reach);
         for lane in 0..N::BLOCK {
-            let Some(position) = positions.get(lane.min(positions.len() - 1)) else { continue };
-            let rounded = position.rounded();
-            let at = grid.taken_at(rounded);
-            taken_at[lane] = at;
+            let Some(position) = positions.get(lane) else { break };
+            let at = grid.taken_at(position.rounded());
+            let wider = extent.joined(&Extent { low: at, high: at });
+            let wider_cost = wider.samples_around(reach);
+            if lane > 0 && wider_cost > cost + single {
+                break;
+            }
+            (extent, cost) = (wider, wider_cost);
+            block.positions.end += 1;
             for k in 0..D {
                 let (anchor, offset) = N::place(at[k], centre[k], position.anchor[k], position.offset[k]);
-                N::lanes(&mut block.anchor[k])[lane] = anchor;
-                N::lanes(&mut block.offset[k])[lane] = offset;
+                // Lanes without a position of their own repeat the last.
+                N::lanes(&mut block.anchor[k])[lane..].fill(anchor);
+                N::lanes(&mut block.offset[k])[lane..].fill(offset);
                 block.residual[k][lane] = N::residual(at[k], position.anchor[k], position.offset[k]);
             }
         }
+        let taken = block.positions.len();
         self.blocks.push(block);
-        self.boxes.push(Extent::around(taken_at[..N::BLOCK].iter().copied()));
+        self.boxes.push(extent);
+        taken
+    }
+
+    /// The answers of the last run, block by block: the numbers of its positions, and what was found there.
+    pub(super) fn answers(&self) -> impl Iterator<Item = (Range<usize>, &Answers<D>)> {
+        self.blocks.iter().map(|block| block.positions.clone()).zip(&self.answers)
     }
 
     /// The part of the list that belongs to a block.
@@ -185,10 +208,11 @@ impl<N: Culled, const D: usize> Batch<N, D> {
 fn run_stages(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
     fn sized<N: Culled, const D: usize>(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
         let Some(batch) = batch.downcast_mut::<Batch<N, D>>() else { return };
-        if task.general {
-            stages::<N, General, D>(task, batch, announce);
-        } else {
-            stages::<N, Plain, D>(task, batch, announce);
+        match (task.varied, task.moved) {
+            (true, _) => stages::<N, General, D>(task, batch, announce),
+            // Positions of 32 bits have no offset: they lie on the lattice.
+            (false, true) if N::HAS_OFFSETS => stages::<N, Moved, D>(task, batch, announce),
+            (false, _) => stages::<N, Plain, D>(task, batch, announce),
         }
     }
     sized::<f64, 3>(task, batch, announce);
@@ -268,7 +292,7 @@ fn value_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
             let sums = first_pass::<L, K, M, D>(kernel, list, &x, task.field, own);
             unit.sums = sums.map(stored::<N, L>);
             if task.needs_statistics() {
-                let sums = statistics::<L, K, D>((token, task.general), kernel, list, own, task.domain_ratio);
+                let sums = statistics::<L, K, D>((token, task.varied), kernel, list, own, task.domain_ratio);
                 unit.statistics = sums.map(stored::<N, L>);
             }
             units.push(unit);
@@ -307,7 +331,7 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
         let second = second_pass::<L, K, M, D>(kernel, list, &x, (task.field, &frame), kept);
         unit.second = each(|k| stored::<N, L>(second[k]));
         if task.sensitivity {
-            let sum = sensitivity::<L, K, D>(task.general, kernel, list, &x, (task.field, &frame), kept);
+            let sum = sensitivity::<L, K, D>(task.varied, kernel, list, &x, (task.field, &frame), kept);
             unit.sensitivity = stored::<N, L>(sum);
         }
     }

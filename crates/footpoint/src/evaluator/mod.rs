@@ -48,14 +48,13 @@ enum Work<const D: usize> {
 impl<'s, const D: usize> Evaluator<'s, D> {
     pub(crate) fn new(grid: &'s Grid<D>, definition: &Definition, level: Level, wanted: Wanted) -> Self {
         let varied = !grid.scales.is_empty() || !grid.factors.is_empty();
-        // On the lattice a position has no offset.
-        let moving = wanted.moving && matches!(grid.store, Store::Double(_));
         let task = Task {
             level,
             weight: definition.weight(),
             field: definition.field(),
             domain_ratio: definition.domain_ratio(),
-            general: varied || moving,
+            varied,
+            moved: wanted.moving,
             gradient: wanted.gradient || wanted.sensitivity,
             sensitivity: wanted.sensitivity,
             statistics: wanted.statistics,
@@ -100,17 +99,19 @@ fn evaluate<N: Culled, const D: usize>(
             evaluate((grid, task, announce), batch, (first + left.len(), right), take);
             return;
         }
-        let margin = if task.general { MARGIN * side } else { 0.0 };
-        batch.candidates.gather(grid, extent.widened(margin), task.weight.reach(), task.general, task.level);
+        let margin = if task.moved { MARGIN * side } else { 0.0 };
+        batch.candidates.gather(grid, extent.widened(margin), task.weight.reach(), task.varied, task.level);
     }
-    let capacity = batch.capacity();
-    for (i, positions) in positions.chunks(capacity).enumerate() {
-        let first = first + i * capacity;
-        batch.run(task, grid, positions, &|block, pass| {
-            announce(first + block.start..first + block.end, pass)
+    let mut taken = 0;
+    while taken < positions.len() {
+        let first = first + taken;
+        taken += batch.run(task, grid, &positions[taken..], &|places, pass| {
+            announce(first + places.start..first + places.end, pass);
         });
-        for (j, _) in positions.iter().enumerate() {
-            take(first + j, &batch.answers[j / N::BLOCK], j % N::BLOCK);
+        for (places, answers) in batch.answers() {
+            for (lane, place) in places.enumerate() {
+                take(first + place, answers, lane);
+            }
         }
     }
 }

@@ -1,19 +1,15 @@
 //! Projection onto the surface: the operators of SPEC § 6 and their statuses.
 
-use crate::algebra::{Vector, add_scaled, dot, length, scale, sub};
+mod moving;
+
+use crate::algebra::{dot, scale};
 use crate::columns::{Counts, Numbers, Statuses};
-use crate::evaluator::{Evaluator, Local, Position, Wanted};
+use crate::evaluator::{Evaluator, Position, Wanted};
 use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
 use crate::status::Status;
-use crate::surface::{Running, Sign, Surface};
-
-/// Steps are halved for another attempt where the full ones fail: they have the same limits, and reach them where
-/// full steps go round in circles or leave the domain. On a torus with noise of half a spacing and 30 neighbours
-/// the first attempt leaves 13,700 points in a million without a limit, all of them together 770.
-const ATTEMPTS: i32 = 6;
-/// Evaluations in which the residual must halve, or the attempt has failed.
-const PATIENCE: u32 = 20;
+use crate::surface::{Running, Surface};
+use moving::{ATTEMPTS, Moving, iterate};
 
 /// Which point of the surface a point is taken to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -195,154 +191,5 @@ impl<const D: usize> Running<'_, D> {
         }
         status.finish(&mut found.status);
         Ok(found)
-    }
-}
-
-/// One point on its way to the surface.
-#[derive(Clone, Copy)]
-struct Moving<const D: usize> {
-    position: Position<D>,
-    /// Everything at `position`, once evaluated there.
-    local: Local<D>,
-    /// Length of the step that led to `position`.
-    step: f64,
-    /// The larger of |f| and the step, at the last position where f exists.
-    residual: f64,
-    evaluations: u32,
-    /// Attempts before this one, and evaluations before it.
-    failed: i32,
-    before: u32,
-    /// The residual that the next one is to halve, and the number of its evaluation.
-    mark: (f64, u32),
-    /// *ok* while it moves and when it has arrived.
-    status: Status,
-}
-
-impl<const D: usize> Moving<D> {
-    fn new(position: Position<D>) -> Self {
-        let local = Local::NOWHERE;
-        let mark = (f64::INFINITY, 0);
-        let step = f64::INFINITY;
-        let status = Status::Ok;
-        Self { position, local, step, residual: f64::NAN, evaluations: 0, failed: 0, before: 0, mark, status }
-    }
-
-    /// Whether the last step and |f| are within the tolerance at `position`.
-    fn has_arrived(&self, how: &Project) -> bool {
-        self.step.is_finite() && self.residual <= how.tolerance * self.local.support
-    }
-
-    fn verdict(&self, surface: &Surface<D>) -> Status {
-        if !self.status.is_ok() {
-            return self.status;
-        }
-        match self.local.acceptance(&surface.definition) {
-            Status::Ok if !self.local.has_surface_normal() => Status::Singular,
-            verdict => verdict,
-        }
-    }
-
-    fn distance(&self, sign: Sign) -> f64 {
-        let back = scale(self.position.offset, -1.0);
-        let distance = length(back);
-        // Where no neighbour has a normal the sign is arbitrary even if the cloud has normals elsewhere.
-        let signed = sign == Sign::Given && self.local.signed;
-        if signed && dot(back, self.local.gradient) < 0.0 { -distance } else { distance }
-    }
-
-    /// Way from the anchor to the next iterate of the plain operator.
-    fn next_offset(&self, operator: Operator) -> Vector<f64, D> {
-        let Local { normal, value, gradient, aside, .. } = self.local;
-        let offset = self.position.offset;
-        match operator {
-            Operator::Basic if self.is_first() => aside,
-            Operator::Basic => add_scaled(offset, normal, -value),
-            // φ = f + n·(x − y), and x − y = −offset.
-            Operator::AlmostOrthogonal => scale(normal, dot(normal, offset) - value),
-            Operator::Orthogonal => scale(gradient, (dot(normal, offset) - value) / dot(normal, gradient)),
-        }
-    }
-
-    /// Whether the attempt stands at its start.
-    fn is_first(&self) -> bool {
-        self.evaluations == self.before + 1
-    }
-
-    /// Takes in the evaluation at `position` and moves on, or ends; true while it is under way.
-    fn advance(&mut self, local: Local<D>, surface: &Surface<D>, how: &Project, attempts: i32) -> bool {
-        self.local = local;
-        self.evaluations += 1;
-        if !local.status.is_ok() {
-            return self.fail(local.status, how, attempts);
-        }
-        let value = local.value.abs();
-        self.residual = if self.step.is_finite() { self.step.max(value) } else { value };
-        if self.has_arrived(how) {
-            return false;
-        }
-        if self.residual < 0.5 * self.mark.0 {
-            self.mark = (self.residual, self.evaluations);
-        }
-        // The last attempt takes full steps again and all the evaluations left: what plain iteration solves, however
-        // slowly, is solved.
-        let last = self.failed + 1 == attempts;
-        let stuck = !last && self.evaluations - self.mark.1 >= PATIENCE;
-        if stuck || self.evaluations >= how.most_evaluations {
-            return self.fail(Status::NotConverged, how, attempts);
-        }
-        let offset = self.position.offset;
-        let step = sub(self.next_offset(how.operator), offset);
-        let first_of_basic = how.operator == Operator::Basic && self.is_first();
-        let share = if first_of_basic || last { 1.0 } else { 0.5_f64.powi(self.failed) };
-        let next = Position { offset: add_scaled(offset, step, share), ..self.position };
-        if !surface.grid.holds(next.rounded()) || !surface.grid.holds(next.offset) {
-            return self.fail(Status::Singular, how, attempts);
-        }
-        // The whole step, also where a share of it is taken: it measures the distance from the limit.
-        self.step = length(step);
-        self.position = next;
-        true
-    }
-
-    /// Begins again with half the steps, or ends with the status of the failure.
-    fn fail(&mut self, status: Status, how: &Project, attempts: i32) -> bool {
-        let hopeless = self.is_first() && !self.local.status.is_ok();
-        if hopeless || self.failed + 1 >= attempts || self.evaluations >= how.most_evaluations {
-            self.status = status;
-            return false;
-        }
-        self.failed += 1;
-        self.before = self.evaluations;
-        self.mark = (f64::INFINITY, self.evaluations);
-        self.step = f64::INFINITY;
-        self.position = Position::at(self.position.anchor);
-        true
-    }
-}
-
-/// Iterates the operator (SPEC § 6) for a group until every point has ended, with at most so many attempts each; one
-/// attempt gives the plain iterates. Points under way stay together in full blocks. `observe` sees every evaluation.
-fn iterate<const D: usize>(
-    (surface, evaluator): (&Surface<D>, &mut Evaluator<'_, D>),
-    points: &mut [Moving<D>],
-    how: &Project,
-    attempts: i32,
-    mut observe: impl FnMut(&Position<D>, &Local<D>),
-) {
-    let mut under_way: Vec<usize> = (0..points.len()).collect();
-    let mut positions = Vec::with_capacity(points.len());
-    let mut moves = Vec::with_capacity(points.len());
-    while !under_way.is_empty() {
-        positions.clear();
-        positions.extend(under_way.iter().map(|&i| points[i].position));
-        moves.clear();
-        evaluator.evaluate(&positions, &|_, _| {}, |place, answers, lane| {
-            let local = answers.local(lane);
-            observe(&positions[place], &local);
-            let point = &mut points[under_way[place]];
-            moves.push(point.advance(local, surface, how, attempts));
-        });
-        let mut moves = moves.iter();
-        under_way.retain(|_| moves.next().is_some_and(|&moves| moves));
     }
 }
