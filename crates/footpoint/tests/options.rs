@@ -227,7 +227,7 @@ fn columns_that_are_not_wanted_are_empty_and_the_others_do_not_change() {
 }
 
 #[test]
-fn the_trace_shows_the_iterates_of_the_projection() {
+fn the_trace_shows_plain_iterates_that_end_where_the_projection_does() {
     let columns = torus(Variant::Uniform);
     let surface = columns.surface(Definition::new());
     let at = starts(&columns);
@@ -235,16 +235,19 @@ fn the_trace_shows_the_iterates_of_the_projection() {
         let how = Project::new().with_operator(operator).with_tolerance(1e-9);
         let p = surface.project(&at, &how);
         let (mut falls, mut steps) = (0, 0);
+        let (mut plain, mut mixed, mut elsewhere) = (0, 0, 0);
         for (i, &start) in at.iter().enumerate() {
             let trace = surface.trace(start, &how);
-            // What plain iteration solves the projection solves, with the same steps.
+            // What plain iteration solves the projection solves.
             assert!(!trace.status.is_ok() || p.status[i].is_ok());
             assert_eq!(trace.values.len(), trace.iterates.len());
             let back = length(sub(trace.iterates[0], start));
             assert!(back <= 1e-15, "the first iterate is the query, but for rounding: {back:e}");
             if trace.status.is_ok() {
-                assert_eq!(trace.iterates.len(), p.evaluations[i] as usize);
-                assert_eq!(*trace.iterates.last().unwrap(), p.point[i]);
+                plain += trace.iterates.len();
+                mixed += p.evaluations[i] as usize;
+                let apart = length(sub(*trace.iterates.last().unwrap(), p.point[i]));
+                elsewhere += usize::from(apart > 1e-7 * columns.radius);
                 let e = surface.evaluate(&trace.iterates, Want::VALUE);
                 for (f, value) in trace.values.iter().zip(&e.value) {
                     assert!((f.abs() - value.abs()).abs() <= 1e-13 * columns.radius);
@@ -260,6 +263,10 @@ fn the_trace_shows_the_iterates_of_the_projection() {
         }
         assert!(steps > 1000, "{operator:?}: {steps}");
         println!("{operator:?}: |f| falls in {falls} of {steps} steps");
+        println!("{operator:?}: {plain} evaluations, mixed {mixed}; {elsewhere} ended elsewhere");
+        // Another zero is rare, and the way there is shorter, but that of *basic* must be its own.
+        assert!(elsewhere * 500 <= at.len(), "{elsewhere} of {}", at.len());
+        assert!(if operator == Operator::Basic { mixed == plain } else { 4 * mixed < 3 * plain });
         assert!(falls as f64 > 0.95 * steps as f64, "{operator:?}: {falls} of {steps}");
     }
     let nowhere = surface.trace([f64::NAN; 3], &Project::default());

@@ -90,8 +90,14 @@ fn check<const D: usize>(columns: &Columns<D>, definition: Definition, label: &s
     // An iterate may jump far before it comes back: such queries need more than the cut-out holds.
     let stays = |q: &[f64; D]| {
         OPERATORS.iter().all(|&operator| {
-            let trace = surface.trace(*q, &Project::new().with_operator(operator).with_tolerance(1e-12));
-            trace.status.is_ok() && trace.iterates.iter().all(|&y| near(y, 1.9 * reach))
+            let how = Project::new().with_operator(operator).with_tolerance(1e-12);
+            let trace = surface.trace(*q, &how);
+            // Few evaluations: no second attempt has strayed.
+            let projected = surface.project(&[*q], &how);
+            trace.status.is_ok()
+                && trace.iterates.iter().all(|&y| near(y, 1.9 * reach))
+                && projected.status[0].is_ok()
+                && projected.evaluations[0] <= 25
         })
     };
     let inner: Vec<[f64; D]> = (0..60)

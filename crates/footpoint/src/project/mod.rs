@@ -9,7 +9,7 @@ use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
 use crate::status::Status;
 use crate::surface::{Running, Surface};
-use moving::{ATTEMPTS, Moving, iterate};
+use moving::Moving;
 
 /// Which point of the surface a point is taken to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -127,15 +127,13 @@ impl<const D: usize> Surface<D> {
         }
         let wanted = Wanted { moving: true, gradient: true, ..Wanted::default() };
         let mut evaluator = Evaluator::new(&self.grid, &self.definition, Run::new().level(), wanted);
-        let mut points = [Moving::new(start)];
         let mut last = [f64::NAN; D];
-        iterate((self, &mut evaluator), &mut points, how, 1, |position, local| {
+        trace.status = moving::trace((self, &mut evaluator), start, how, |position, local| {
             trace.iterates.push(scale(position.rounded(), self.grid.unit));
             let sign = if dot(local.normal, last) < 0.0 { -1.0 } else { 1.0 };
             last = scale(local.normal, sign);
             trace.values.push(sign * local.value * self.grid.unit);
         });
-        trace.status = points[0].verdict(self);
         trace
     }
 }
@@ -179,13 +177,14 @@ impl<const D: usize> Running<'_, D> {
                 }
             };
             grouped.for_each_group(self.run, wanted, |evaluator, group| {
-                let mut moving: Vec<Moving<D>> = group.positions.iter().map(|&at| Moving::new(at)).collect();
-                iterate((surface, evaluator), &mut moving, how, ATTEMPTS, |_, _| {});
+                let mut moving: Vec<Moving<D>> =
+                    group.positions.iter().map(|&at| Moving::new(at, how)).collect();
+                moving::project((surface, evaluator), &mut moving, how);
                 for (&row, moving) in group.rows.iter().zip(&moving) {
                     put(row as usize, moving.verdict(surface), moving);
                 }
                 for &row in &group.invalid {
-                    put(row as usize, Status::Invalid, &Moving::new(Position::at([f64::NAN; D])));
+                    put(row as usize, Status::Invalid, &Moving::new(Position::at([f64::NAN; D]), how));
                 }
             })?;
         }

@@ -6,16 +6,34 @@ use crate::evaluator::{Evaluator, Local, Position};
 use crate::status::Status;
 use crate::surface::{Sign, Surface};
 
-/// The first attempt mixes iterates (Anderson's method); the second is the plain iteration; then steps are halved, time after
-/// time: they have the same limits, and reach them where full steps go round in circles or leave the domain; the last takes
-/// full steps again and all the evaluations left, so that what plain iteration solves, however slowly, is solved.
-pub(super) const ATTEMPTS: i32 = 7;
-/// Evaluations in which the residual must halve, or the attempt has failed.
-const PATIENCE: u32 = 20;
-/// The same while iterates are mixed.
-const PATIENCE_MIXED: u32 = 8;
-/// A mixed step may be this many times as long as the plain one.
-const LONGEST_MIXED: f64 = 5.0;
+/// How a point is taken on from iterate to iterate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    /// The plain iterates, mixed (Anderson's method): fewer evaluations.
+    Mixed,
+    /// This share of each plain step. Shares have the limits of the whole, and reach them where full steps go round in
+    /// circles or leave the domain.
+    Share(f64),
+}
+
+/// What is tried, all at once, where the first attempt fails: the plain iteration and shares of it. Of those that arrive the
+/// first counts.
+const SECOND_ATTEMPTS: [Way; 4] = [Way::Share(1.0), Way::Share(0.5), Way::Share(0.25), Way::Share(0.125)];
+
+impl Way {
+    /// Evaluations in which the residual must halve, or the attempt has failed. The plain iteration may take long: what it
+    /// solves is to be solved.
+    fn patience(self) -> u32 {
+        match self {
+            Self::Mixed => 8,
+            Self::Share(1.0) => 64,
+            Self::Share(_) => 20,
+        }
+    }
+}
+
+/// A mixed step may be this many times as long as the plain one: a leap may end at another zero.
+const LONGEST_MIXED: f64 = 2.0;
 
 /// One point on its way to the surface.
 #[derive(Clone, Copy)]
@@ -26,30 +44,37 @@ pub(super) struct Moving<const D: usize> {
     /// The larger of |f| and the plain step, at the last position where f exists.
     pub(super) residual: f64,
     pub(super) evaluations: u32,
-    /// Attempts before this one, and evaluations before it.
-    failed: i32,
-    before: u32,
+    way: Way,
     /// The residual that the next one is to halve, and the number of its evaluation.
     mark: (f64, u32),
+    most_evaluations: u32,
     /// Earlier offsets of this attempt and their plain steps, the last first.
     history: [(Vector<f64, D>, Vector<f64, D>); 2],
     remembered: usize,
-    /// *ok* while it moves and when it has arrived.
+    /// Whether it has arrived or failed; *ok* while it moves and when it has arrived.
+    ended: bool,
     status: Status,
 }
 
 impl<const D: usize> Moving<D> {
-    pub(super) fn new(position: Position<D>) -> Self {
+    /// The *basic* operator's limit depends on the way there, so it is not mixed.
+    pub(super) fn new(position: Position<D>, how: &Project) -> Self {
+        let way = if how.operator == Operator::Basic { Way::Share(1.0) } else { Way::Mixed };
+        Self::on(position, way, how.most_evaluations)
+    }
+
+    fn on(position: Position<D>, way: Way, most_evaluations: u32) -> Self {
         Self {
             position,
             local: Local::NOWHERE,
             residual: f64::NAN,
             evaluations: 0,
-            failed: 0,
-            before: 0,
+            way,
             mark: (f64::INFINITY, 0),
+            most_evaluations,
             history: [([0.0; D], [0.0; D]); 2],
             remembered: 0,
+            ended: false,
             status: Status::Ok,
         }
     }
@@ -85,51 +110,50 @@ impl<const D: usize> Moving<D> {
         }
     }
 
-    /// Whether the attempt stands at its start.
+    /// Whether it stands at its start.
     fn is_first(&self) -> bool {
-        self.evaluations == self.before + 1
+        self.evaluations == 1
     }
 
-    /// Takes in the evaluation at `position` and moves on, or ends; true while it is under way.
-    fn advance(&mut self, local: Local<D>, surface: &Surface<D>, how: &Project, attempts: i32) -> bool {
+    /// Takes in the evaluation at `position` and moves on, or ends.
+    fn advance(&mut self, local: Local<D>, surface: &Surface<D>, how: &Project) {
         self.local = local;
         self.evaluations += 1;
         if !local.status.is_ok() {
-            return self.fail(local.status, how, attempts);
+            return self.fail(local.status);
         }
-        let last = self.failed + 1 == attempts;
-        let mixing = self.failed == 0 && !last;
         let offset = self.position.offset;
         let step = sub(self.next_offset(how.operator), offset);
         let slides = how.operator == Operator::Basic && self.is_first();
-        self.residual = length(step).max(local.value.abs());
+        self.residual = norm(step).max(local.value.abs());
+        if self.residual.is_nan() {
+            return self.fail(Status::Singular);
+        }
         if !slides && self.residual <= how.tolerance * local.support {
-            // Mixing may have found another zero than the plain iteration, and one that does not belong to the surface.
-            return mixing
-                && !self.verdict(surface).is_ok()
-                && self.fail(Status::NotConverged, how, attempts);
+            self.ended = true;
+            return;
         }
         if self.residual < 0.5 * self.mark.0 {
             self.mark = (self.residual, self.evaluations);
         }
-        let patience = if mixing { PATIENCE_MIXED } else { PATIENCE };
-        let stuck = !last && self.evaluations - self.mark.1 >= patience;
-        if stuck || self.evaluations >= how.most_evaluations || self.residual.is_nan() {
-            let status = if self.residual.is_nan() { Status::Singular } else { Status::NotConverged };
-            return self.fail(status, how, attempts);
+        let stuck = self.evaluations - self.mark.1 >= self.way.patience();
+        if stuck || self.evaluations >= self.most_evaluations {
+            return self.fail(Status::NotConverged);
         }
-        let share = if slides || last { 1.0 } else { 0.5_f64.powi((self.failed - 1).max(0)) };
-        let mixed = if mixing && !slides { self.mixed(offset, step) } else { None };
-        let next = Position { offset: mixed.unwrap_or(add_scaled(offset, step, share)), ..self.position };
+        let next = match self.way {
+            Way::Mixed if !slides => self.mixed(offset, step).unwrap_or(add(offset, step)),
+            Way::Share(share) if !slides => add_scaled(offset, step, share),
+            _ => add(offset, step),
+        };
+        let next = Position { offset: next, ..self.position };
         if !surface.grid.holds(next.rounded()) || !surface.grid.holds(next.offset) {
-            return self.fail(Status::Singular, how, attempts);
+            return self.fail(Status::Singular);
         }
         if !slides {
             self.history = [(offset, step), self.history[0]];
             self.remembered = (self.remembered + 1).min(2);
         }
         self.position = next;
-        true
     }
 
     /// Anderson's mixture: of the plain images of this iterate and the last ones, the affine combination whose steps, combined
@@ -139,6 +163,10 @@ impl<const D: usize> Moving<D> {
             return None;
         }
         let [(last, last_step), (earlier, earlier_step)] = self.history;
+        // Where steps grow the iterates are not yet near a limit.
+        if norm(step) > norm(last_step) {
+            return None;
+        }
         // Differences of the steps, and of the images.
         let first = sub(step, last_step);
         let first_image = add(sub(offset, last), first);
@@ -156,48 +184,97 @@ impl<const D: usize> Moving<D> {
             add_scaled(image, first_image, -p / a)
         };
         // Not so for NaN.
-        (length(sub(mixed, offset)) <= LONGEST_MIXED * length(step)).then_some(mixed)
+        (norm(sub(mixed, offset)) <= LONGEST_MIXED * norm(step)).then_some(mixed)
     }
 
-    /// Begins the next attempt, or ends with the status of the failure.
-    fn fail(&mut self, status: Status, how: &Project, attempts: i32) -> bool {
-        let hopeless = self.is_first() && !self.local.status.is_ok();
-        if hopeless || self.failed + 1 >= attempts || self.evaluations >= how.most_evaluations {
-            self.status = status;
-            return false;
-        }
-        self.failed += 1;
-        self.before = self.evaluations;
-        self.mark = (f64::INFINITY, self.evaluations);
-        self.remembered = 0;
-        self.position = Position::at(self.position.anchor);
-        true
+    fn fail(&mut self, status: Status) {
+        self.ended = true;
+        self.status = status;
     }
 }
 
-/// Iterates the operator (SPEC § 6) for a group until every point has ended, with at most so many attempts each; one
-/// attempt gives the plain iterates. Points under way stay together in full blocks. `observe` sees every evaluation.
-pub(super) fn iterate<const D: usize>(
+/// Length of a vector in units of the grid: neither huge nor tiny.
+fn norm<const D: usize>(a: Vector<f64, D>) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Projects the points of a group: all by the first attempt, then those that it leaves by the second ones.
+pub(super) fn project<const D: usize>(
     (surface, evaluator): (&Surface<D>, &mut Evaluator<'_, D>),
     points: &mut [Moving<D>],
     how: &Project,
-    attempts: i32,
+) {
+    iterate((surface, evaluator), points, how, |_| (), |_, _| {});
+    let most = SECOND_ATTEMPTS.len();
+    let left_over = |point: &Moving<D>| how.most_evaluations.saturating_sub(point.evaluations) / most as u32;
+    // Mixing may also have found another zero than the plain iteration, and one that does not belong to the surface.
+    let left: Vec<usize> = (0..points.len())
+        .filter(|&i| {
+            let hopeless = points[i].is_first() && !points[i].local.status.is_ok();
+            !hopeless && left_over(&points[i]) > 0 && !points[i].verdict(surface).is_ok()
+        })
+        .collect();
+    if left.is_empty() {
+        return;
+    }
+    let start = |&i: &usize| {
+        let (anchor, most) = (points[i].position.anchor, left_over(&points[i]));
+        SECOND_ATTEMPTS.map(|way| Moving::on(Position::at(anchor), way, most))
+    };
+    let mut attempts: Vec<Moving<D>> = left.iter().flat_map(start).collect();
+    let stop_the_others = |attempts: &mut [Moving<D>]| {
+        for attempts in attempts.chunks_mut(most) {
+            let accepted = attempts.iter().any(|attempt| attempt.ended && attempt.verdict(surface).is_ok());
+            if accepted || (attempts[0].ended && attempts[0].status.is_ok()) {
+                attempts
+                    .iter_mut()
+                    .filter(|attempt| !attempt.ended)
+                    .for_each(|a| a.fail(Status::NotConverged));
+            }
+        }
+    };
+    iterate((surface, evaluator), &mut attempts, how, stop_the_others, |_, _| {});
+    for (attempts, &i) in attempts.chunks(most).zip(&left) {
+        // On the surface if any is; else what became of the plain one, unless only another came to a zero.
+        let accepted = attempts.iter().find(|attempt| attempt.verdict(surface).is_ok());
+        let arrived = attempts.iter().find(|attempt| attempt.status.is_ok());
+        let spent = attempts.iter().map(|attempt| attempt.evaluations).sum::<u32>() + points[i].evaluations;
+        points[i] = Moving { evaluations: spent, ..*accepted.or(arrived).unwrap_or(&attempts[0]) };
+    }
+}
+
+/// The plain iteration from one point; `observe` sees every evaluation.
+pub(super) fn trace<const D: usize>(
+    (surface, evaluator): (&Surface<D>, &mut Evaluator<'_, D>),
+    start: Position<D>,
+    how: &Project,
+    observe: impl FnMut(&Position<D>, &Local<D>),
+) -> Status {
+    let mut points = [Moving::on(start, Way::Share(1.0), how.most_evaluations)];
+    iterate((surface, evaluator), &mut points, how, |_| (), observe);
+    points[0].verdict(surface)
+}
+
+/// Iterates the operator (SPEC § 6) until every point has ended. Points under way stay together in full blocks. After each
+/// round `prune` may end more; `observe` sees every evaluation.
+fn iterate<const D: usize>(
+    (surface, evaluator): (&Surface<D>, &mut Evaluator<'_, D>),
+    points: &mut [Moving<D>],
+    how: &Project,
+    prune: impl Fn(&mut [Moving<D>]),
     mut observe: impl FnMut(&Position<D>, &Local<D>),
 ) {
     let mut under_way: Vec<usize> = (0..points.len()).collect();
     let mut positions = Vec::with_capacity(points.len());
-    let mut moves = Vec::with_capacity(points.len());
     while !under_way.is_empty() {
         positions.clear();
         positions.extend(under_way.iter().map(|&i| points[i].position));
-        moves.clear();
         evaluator.evaluate(&positions, &|_, _| {}, |place, answers, lane| {
             let local = answers.local(lane);
             observe(&positions[place], &local);
-            let point = &mut points[under_way[place]];
-            moves.push(point.advance(local, surface, how, attempts));
+            points[under_way[place]].advance(local, surface, how);
         });
-        let mut moves = moves.iter();
-        under_way.retain(|_| moves.next().is_some_and(|&moves| moves));
+        prune(points);
+        under_way.retain(|&i| !points[i].ended);
     }
 }
