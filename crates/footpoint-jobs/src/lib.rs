@@ -27,7 +27,7 @@ pub use report::{InputReport, MovedReport, Recipe, Report, SCHEMA, StatusCount, 
 
 /// What the jobs take from the library, so that a front needs no other crate.
 pub use footpoint::{
-    Acceptance, Definition, NormalField, Operator, Progress, Project, Run, Status, Support, Weight,
+    Acceptance, Definition, NormalField, Operator, Precision, Progress, Project, Run, Status, Support, Weight,
 };
 pub use footpoint_io::Overwrite;
 

@@ -195,6 +195,17 @@ pub enum DefinitionError {
     /// The Gaussian's cut is not between 0 and 1.
     #[error("Gaussian cut {0}: it must lie between 1e-300 and 1")]
     Cut(f64),
+    /// Supports that differ too much for single precision, whose lattice belongs to the largest.
+    #[error(
+        "support radii from {smallest:e} to {largest:e}: single precision allows a factor of 1000 between them; \
+         use double"
+    )]
+    SingleRange {
+        /// Smallest radius.
+        smallest: f64,
+        /// Largest radius.
+        largest: f64,
+    },
     /// A limit of the acceptance rule is not a number.
     #[error("a limit of the acceptance rule is {0}: it must be a number")]
     Acceptance(f64),

@@ -4,6 +4,7 @@ use crate::cloud::{Cloud, CloudError};
 use crate::definition::{Definition, DefinitionError, Error};
 use crate::field::NormalField;
 use crate::grid::{Grid, cell_side};
+use crate::lane::Precision;
 use crate::run::Run;
 use crate::support::{SupportError, SupportSummary, choose};
 
@@ -64,6 +65,10 @@ impl<const D: usize> Surface<D> {
         let sign = if signed { Sign::Given } else { Sign::Arbitrary };
         let radii = choose(&cloud, definition.support(), definition.weight(), run)?;
         let support = radii.summary(&cloud)?;
+        let SupportSummary { smallest, largest, .. } = support;
+        if definition.precision() == Precision::Single && smallest < 1e-3 * largest {
+            return Err(DefinitionError::SingleRange { smallest, largest }.into());
+        }
         run.check()?;
         let reach = definition.weight().reach();
         let grid = Grid::new(&cloud, &radii, support.largest, reach, definition.precision(), run);

@@ -93,6 +93,15 @@ fn limits_of_the_acceptance_rule() {
 }
 
 #[test]
+fn supports_too_different_for_single_precision() {
+    let radii: Vec<f64> = (0..cloud().len()).map(|i| if i == 0 { 1e-4 } else { 1.0 }).collect();
+    let cloud = cloud().with_supports(radii).unwrap();
+    let definition = Definition::new().with_support(Support::FromSamples);
+    assert!(Surface::new(cloud.clone(), definition).is_ok());
+    refused(cloud, definition.with_precision(footpoint::Precision::Single), &["1e-4", "single", "double"]);
+}
+
+#[test]
 fn fields_that_need_normals() {
     for (field, said) in
         [(NormalField::AveragedNormals, "averaged normals"), (NormalField::AveragedAxes, "averaged axes")]

@@ -5,8 +5,8 @@ mod common;
 use common::{Columns, FIELDS, OPERATORS, Variant, WEIGHTS, length, near_samples, sub};
 use footpoint::samples;
 use footpoint::{
-    Acceptance, Cancelled, Cloud, Definition, Error, Evaluations, NormalField, Operator, Project, Run,
-    Status, Support, Surface, Want, Weight,
+    Acceptance, Cancelled, Cloud, Definition, Error, Evaluations, Instructions, NormalField, Operator,
+    Precision, Project, Queries, Run, Status, Support, Surface, Want, Weight,
 };
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -22,6 +22,63 @@ fn starts(columns: &Columns<3>) -> Vec<[f64; 3]> {
 fn difference(a: &Surface<3>, b: &Surface<3>, at: &[[f64; 3]]) -> f64 {
     let (a, b) = (a.evaluate(at, Want::VALUE | Want::SUPPORT), b.evaluate(at, Want::VALUE));
     common::largest((0..at.len()).map(|i| (a.value[i].abs() - b.value[i].abs()).abs() / a.support[i]))
+}
+
+#[test]
+fn single_precision_is_near_and_not_the_same() {
+    for variant in [Variant::Uniform, Variant::PerSample] {
+        let columns = torus(variant);
+        let at = starts(&columns);
+        let double = columns.surface(Definition::new());
+        let single = columns.surface(Definition::new().with_precision(Precision::Single));
+        assert_eq!(single.definition().precision(), Precision::Single);
+        let off = difference(&double, &single, &at);
+        assert!(off > 1e-12 && off < 5e-7, "{off:e}");
+        // Samples as queries are where they were given, not on the lattice.
+        let how = Project::new();
+        let (own, given) = (single.project(Queries::Samples, &how), single.project(&columns.points, &how));
+        assert_eq!(own.point, given.point);
+        let exact = double.project(&columns.points, &how);
+        let ok: Vec<usize> =
+            (0..at.len()).filter(|&i| exact.status[i].is_ok() && own.status[i].is_ok()).collect();
+        let apart =
+            common::median(ok.iter().map(|&i| length(sub(own.point[i], exact.point[i])) / columns.radius));
+        assert!(ok.len() > at.len() * 9 / 10 && apart < 2e-6, "{} {apart:e}", ok.len());
+    }
+}
+
+#[test]
+fn fewer_instructions_give_the_same_answers() {
+    let columns = torus(Variant::Uniform);
+    let surface = columns.surface(Definition::new());
+    let at = starts(&columns);
+    let with = |instructions| {
+        let run = Run::new().instructions(instructions);
+        surface.with(&run).evaluate(&at, Want::VALUE).unwrap().value
+    };
+    let best = with(Instructions::Best);
+    let baseline = with(Instructions::Baseline);
+    let apart = common::largest((0..at.len()).map(|i| (best[i] - baseline[i]).abs() / columns.radius));
+    assert!(apart < 1e-13, "{apart:e}");
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("fma") {
+        // It rounds twice where the others round once: the option does something.
+        assert!(best != baseline);
+        assert!(best == with(Instructions::Avx2));
+    }
+}
+
+#[test]
+fn columns_that_exist_are_filled_again() {
+    let surface = torus(Variant::Uniform).surface(Definition::new());
+    let at = starts(&torus(Variant::Uniform));
+    let run = Run::new();
+    let mut columns = surface.evaluate(Queries::Samples, Want::ALL);
+    let memory = columns.gradient.as_ptr();
+    let want = Want::VALUE | Want::GRADIENT;
+    surface.with(&run).evaluate_into(&at, want, &mut columns).unwrap();
+    assert_eq!(columns, surface.evaluate(&at, want));
+    assert_eq!(columns.gradient.as_ptr(), memory);
 }
 
 #[test]
