@@ -2,7 +2,7 @@
 
 use crate::algebra::scale;
 use crate::columns::{Counts, Numbers, Statuses};
-use crate::evaluator::{Local, Pass, Position, Wanted};
+use crate::evaluator::{Extra, Local, Pass, Position, Wanted};
 use crate::field::NormalField;
 use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
@@ -136,10 +136,15 @@ impl<const D: usize> Running<'_, D> {
             };
             evaluator.evaluate(&group.positions, &announce, |i, answers, lane| {
                 let row = group.rows[i] as usize;
-                filling.put(surface, row, &group.positions[i], &answers.local(lane));
+                filling.put(surface, row, &group.positions[i], (&answers.local(lane), &answers.extra(lane)));
             });
             for &row in &group.invalid {
-                filling.put(surface, row as usize, &Position::at([f64::NAN; D]), &Local::NOWHERE);
+                filling.put(
+                    surface,
+                    row as usize,
+                    &Position::at([f64::NAN; D]),
+                    (&Local::NOWHERE, &Extra::NOWHERE),
+                );
                 status.put(row as usize, Status::Invalid);
             }
         })?;
@@ -223,7 +228,13 @@ impl<'c, const D: usize> Columns<'c, D> {
     }
 
     #[inline(always)]
-    fn put(&self, surface: &Surface<D>, row: usize, position: &Position<D>, local: &Local<D>) {
+    fn put(
+        &self,
+        surface: &Surface<D>,
+        row: usize,
+        position: &Position<D>,
+        (local, extra): (&Local<D>, &Extra<D>),
+    ) {
         let unit = surface.grid.unit;
         // Moments of positions carry a square of the unit, moments of normals none.
         let moment = if surface.definition.field() == NormalField::AveragedAxes { 1.0 } else { unit * unit };
@@ -234,11 +245,11 @@ impl<'c, const D: usize> Columns<'c, D> {
         self.gradient.put(row, local.gradient);
         self.surface_normal.put(row, local.surface_normal);
         self.gap.put(row, [local.gap]);
-        self.neighbours.put(row, local.neighbours);
-        self.effective_neighbours.put(row, [local.effective_neighbours]);
-        self.weight_sum.put(row, [local.weight_sum]);
-        self.eigenvalues.put(row, scale(local.eigenvalues, moment));
-        self.squared_sensitivity.put(row, [local.sensitivity]);
+        self.neighbours.put(row, extra.neighbours);
+        self.effective_neighbours.put(row, [extra.effective_neighbours]);
+        self.weight_sum.put(row, [extra.weight_sum]);
+        self.eigenvalues.put(row, scale(extra.eigenvalues, moment));
+        self.squared_sensitivity.put(row, [extra.sensitivity]);
         self.support.put(row, [local.support * unit]);
         let level = self.has_gradient && local.status.is_ok() && !local.has_surface_normal();
         self.status.put(row, if level { Status::Singular } else { local.status });

@@ -121,8 +121,7 @@ impl<const D: usize> Answers<D> {
     /// One position's answers.
     #[inline(always)]
     pub(crate) fn local(&self, lane: usize) -> Local<D> {
-        let vector = |v: &[[f64; LANES]; D]| -> [f64; D] { std::array::from_fn(|k| v[k][lane]) };
-        let status = if self.weight_sum[lane].is_nan() {
+        let status = if self.support[lane].is_nan() {
             Status::Outside
         } else if self.value[lane].is_nan() {
             Status::Degenerate
@@ -131,44 +130,72 @@ impl<const D: usize> Answers<D> {
         };
         Local {
             status,
+            support: self.support[lane],
+            aside: at(&self.aside, lane),
+            gap: self.gap[lane],
+            normal: at(&self.normal, lane),
+            value: self.value[lane],
+            gradient: at(&self.gradient, lane),
+            surface_normal: at(&self.surface_normal, lane),
+            signed: self.along[lane] > 0.0,
+        }
+    }
+
+    /// What is rarely asked for at one position.
+    #[inline(always)]
+    pub(crate) fn extra(&self, lane: usize) -> Extra<D> {
+        Extra {
             neighbours: self.neighbours[lane] as u32,
             weight_sum: self.weight_sum[lane],
             effective_neighbours: self.effective_neighbours[lane],
-            support: self.support[lane],
-            aside: vector(&self.aside),
-            gap: self.gap[lane],
-            eigenvalues: vector(&self.eigenvalues),
-            normal: vector(&self.normal),
-            value: self.value[lane],
-            gradient: vector(&self.gradient),
-            surface_normal: vector(&self.surface_normal),
+            eigenvalues: at(&self.eigenvalues, lane),
             sensitivity: self.sensitivity[lane],
-            signed: self.along[lane] > 0.0,
         }
     }
 }
 
-/// Everything at one position, lengths in units of the grid. Quantities that do not exist are NaN.
+#[inline(always)]
+fn at<const D: usize>(vector: &[[f64; LANES]; D], lane: usize) -> [f64; D] {
+    std::array::from_fn(|k| vector[k][lane])
+}
+
+/// What is rarely asked for at one position.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Local<const D: usize> {
-    /// *ok*, *outside* or *degenerate*.
-    pub(crate) status: Status,
+pub(crate) struct Extra<const D: usize> {
     pub(crate) neighbours: u32,
     /// S.
     pub(crate) weight_sum: f64,
     pub(crate) effective_neighbours: f64,
+    pub(crate) eigenvalues: [f64; D],
+    pub(crate) sensitivity: f64,
+}
+
+impl<const D: usize> Extra<D> {
+    /// Nothing exists here.
+    pub(crate) const NOWHERE: Self = Self {
+        neighbours: 0,
+        weight_sum: f64::NAN,
+        effective_neighbours: f64::NAN,
+        eigenvalues: [f64::NAN; D],
+        sensitivity: f64::NAN,
+    };
+}
+
+/// The frame, f and ∇f at one position, lengths in units of the grid. Quantities that do not exist are NaN.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Local<const D: usize> {
+    /// *ok*, *outside* or *degenerate*.
+    pub(crate) status: Status,
     /// h(x).
     pub(crate) support: f64,
     /// u = a(x) − x.
     pub(crate) aside: [f64; D],
     pub(crate) gap: f64,
-    pub(crate) eigenvalues: [f64; D],
     pub(crate) normal: [f64; D],
     pub(crate) value: f64,
     pub(crate) gradient: [f64; D],
     /// ∇f/|∇f|; NaN where ∇f has no direction.
     pub(crate) surface_normal: [f64; D],
-    pub(crate) sensitivity: f64,
     /// Whether normals of the samples decided the sign.
     pub(crate) signed: bool,
 }
@@ -177,18 +204,13 @@ impl<const D: usize> Local<D> {
     /// Nothing exists here.
     pub(crate) const NOWHERE: Self = Self {
         status: Status::Outside,
-        neighbours: 0,
-        weight_sum: f64::NAN,
-        effective_neighbours: f64::NAN,
         support: f64::NAN,
         aside: [f64::NAN; D],
         gap: f64::NAN,
-        eigenvalues: [f64::NAN; D],
         normal: [f64::NAN; D],
         value: f64::NAN,
         gradient: [f64::NAN; D],
         surface_normal: [f64::NAN; D],
-        sensitivity: f64::NAN,
         signed: false,
     };
 

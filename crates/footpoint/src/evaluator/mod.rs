@@ -9,7 +9,7 @@ use crate::definition::Definition;
 pub(crate) use crate::engine::Position;
 use crate::engine::{Culled, Extent};
 use crate::grid::{Grid, Store};
-pub(crate) use answers::{Answers, Local};
+pub(crate) use answers::{Answers, Extra, Local};
 pub(crate) use batch::Pass;
 use batch::{Announce, Batch, Task};
 use fearless_simd::Level;

@@ -1,6 +1,6 @@
 //! The engine agrees with the oracle, and dual numbers through the same code give the same gradient.
 
-use super::{Evaluator, Local, Wanted};
+use super::{Evaluator, Extra, Local, Wanted};
 use crate::algebra::{dot, length, scale, sub};
 use crate::cloud::Cloud;
 use crate::definition::Definition;
@@ -87,11 +87,14 @@ fn every_setting(mut each: impl FnMut(Weight, NormalField, bool, bool)) {
 const EVERYTHING: Wanted =
     Wanted { moving: false, gradient: true, sensitivity: true, statistics: true, eigenvalues: true };
 
-fn locals<const D: usize>(evaluator: &mut Evaluator<'_, D>, positions: &[Position<D>]) -> Vec<Local<D>> {
+fn locals<const D: usize>(
+    evaluator: &mut Evaluator<'_, D>,
+    positions: &[Position<D>],
+) -> Vec<(Local<D>, Extra<D>)> {
     let mut found = Vec::new();
     evaluator.evaluate(positions, &|_, _| {}, |place, answers, lane| {
         assert_eq!(place, found.len());
-        found.push(answers.local(lane));
+        found.push((answers.local(lane), answers.extra(lane)));
     });
     found
 }
@@ -110,7 +113,7 @@ fn off_the_oracle<const D: usize>(precision: Precision, wanted: Wanted, bounds: 
             let positions: [Position<D>; 8] =
                 std::array::from_fn(|_| Position::at(centre.map(|c| c + 0.3 * (random.uniform() - 0.5))));
             let found = locals(&mut evaluator, &positions);
-            for (position, local) in positions.iter().zip(found) {
+            for (position, (local, _)) in positions.iter().zip(found) {
                 assert!(local.status.is_ok());
                 if local.gap < 0.1 {
                     continue;

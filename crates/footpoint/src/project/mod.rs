@@ -163,7 +163,7 @@ impl<const D: usize> Running<'_, D> {
             let put = |row: usize, verdict: Status, moving: &Moving<D>| {
                 status.put(row, verdict);
                 evaluations.put(row, moving.evaluations);
-                residual.put(row, [moving.residual * surface.grid.unit]);
+                residual.put(row, [moving.residual() * surface.grid.unit]);
                 if verdict.is_ok() {
                     point.put(row, scale(moving.position.rounded(), surface.grid.unit));
                     surface_normal.put(row, moving.local.surface_normal);

@@ -41,11 +41,11 @@ pub(super) struct Moving<const D: usize> {
     pub(super) position: Position<D>,
     /// Everything at `position`, once evaluated there.
     pub(super) local: Local<D>,
-    /// The larger of |f| and the plain step, at the last position where f exists.
-    pub(super) residual: f64,
+    /// The square of the larger of |f| and the plain step, at the last position where f exists.
+    squared_residual: f64,
     pub(super) evaluations: u32,
     way: Way,
-    /// The residual that the next one is to halve, and the number of its evaluation.
+    /// The squared residual that the next is to fall to a quarter of, and the number of its evaluation.
     mark: (f64, u32),
     most_evaluations: u32,
     /// Earlier offsets of this attempt and their plain steps, the last first.
@@ -67,7 +67,7 @@ impl<const D: usize> Moving<D> {
         Self {
             position,
             local: Local::NOWHERE,
-            residual: f64::NAN,
+            squared_residual: f64::NAN,
             evaluations: 0,
             way,
             mark: (f64::INFINITY, 0),
@@ -77,6 +77,11 @@ impl<const D: usize> Moving<D> {
             ended: false,
             status: Status::Ok,
         }
+    }
+
+    /// The larger of |f| and the plain step, at the last position where f exists.
+    pub(super) fn residual(&self) -> f64 {
+        self.squared_residual.sqrt()
     }
 
     pub(super) fn verdict(&self, surface: &Surface<D>) -> Status {
@@ -125,16 +130,18 @@ impl<const D: usize> Moving<D> {
         let offset = self.position.offset;
         let step = sub(self.next_offset(how.operator), offset);
         let slides = how.operator == Operator::Basic && self.is_first();
-        self.residual = norm(step).max(local.value.abs());
-        if self.residual.is_nan() {
+        let squared_step = dot(step, step);
+        self.squared_residual = squared_step.max(local.value * local.value);
+        if squared_step.is_nan() {
             return self.fail(Status::Singular);
         }
-        if !slides && self.residual <= how.tolerance * local.support {
+        let tolerance = how.tolerance * local.support;
+        if !slides && self.squared_residual <= tolerance * tolerance {
             self.ended = true;
             return;
         }
-        if self.residual < 0.5 * self.mark.0 {
-            self.mark = (self.residual, self.evaluations);
+        if self.squared_residual < 0.25 * self.mark.0 {
+            self.mark = (self.squared_residual, self.evaluations);
         }
         let stuck = self.evaluations - self.mark.1 >= self.way.patience();
         if stuck || self.evaluations >= self.most_evaluations {
@@ -164,7 +171,8 @@ impl<const D: usize> Moving<D> {
         }
         let [(last, last_step), (earlier, earlier_step)] = self.history;
         // Where steps grow the iterates are not yet near a limit.
-        if norm(step) > norm(last_step) {
+        let squared_step = dot(step, step);
+        if squared_step > dot(last_step, last_step) {
             return None;
         }
         // Differences of the steps, and of the images.
@@ -183,19 +191,15 @@ impl<const D: usize> Moving<D> {
         } else {
             add_scaled(image, first_image, -p / a)
         };
+        let leap = sub(mixed, offset);
         // Not so for NaN.
-        (norm(sub(mixed, offset)) <= LONGEST_MIXED * norm(step)).then_some(mixed)
+        (dot(leap, leap) <= LONGEST_MIXED * LONGEST_MIXED * squared_step).then_some(mixed)
     }
 
     fn fail(&mut self, status: Status) {
         self.ended = true;
         self.status = status;
     }
-}
-
-/// Length of a vector in units of the grid: neither huge nor tiny.
-fn norm<const D: usize>(a: Vector<f64, D>) -> f64 {
-    dot(a, a).sqrt()
 }
 
 /// Projects the points of a group: all by the first attempt, then those that it leaves by the second ones.
