@@ -1,6 +1,6 @@
 //! Candidates: the samples around a group of positions, copied together, and of these the ones that a block needs.
 
-use crate::grid::{Grid, LATTICE, Store, Stretch};
+use crate::grid::{Grid, Store, Stretch, snapped};
 use crate::lane::{Number, vectorized};
 use fearless_simd::Level;
 use fearless_simd::prelude::*;
@@ -36,8 +36,10 @@ impl<const D: usize> Extent<D> {
 
     pub(crate) fn joined(self, other: &Self) -> Self {
         Self {
-            low: std::array::from_fn(|k| self.low[k].min(other.low[k])),
-            high: std::array::from_fn(|k| self.high[k].max(other.high[k])),
+            low: std::array::from_fn(|k| if other.low[k] < self.low[k] { other.low[k] } else { self.low[k] }),
+            high: std::array::from_fn(|k| {
+                if other.high[k] > self.high[k] { other.high[k] } else { self.high[k] }
+            }),
         }
     }
 
@@ -181,7 +183,7 @@ impl Culled for f32 {
     const HAS_OFFSETS: bool = false;
 
     fn centre(middle: f64) -> f64 {
-        (middle / LATTICE).round_ties_even() * LATTICE
+        snapped([middle])[0]
     }
 
     #[inline(always)]

@@ -163,27 +163,30 @@ impl<N: Culled, const D: usize> Batch<N, D> {
             positions: first..first,
         };
         let mut extent = Extent::NOTHING;
-        let mut cost = 0.0;
-        let single = Extent::around([[0.0; D]].into_iter()).samples_around(reach);
+        let single = Extent { low: [0.0; D], high: [0.0; D] }.samples_around(reach);
         for lane in 0..N::BLOCK {
             let Some(position) = positions.get(lane) else { break };
             let at = grid.taken_at(position.rounded());
             let wider = extent.joined(&Extent { low: at, high: at });
-            let wider_cost = wider.samples_around(reach);
-            if lane > 0 && wider_cost > cost + single {
+            let far = lane > 0 && wider.longest_side() > reach;
+            if far && wider.samples_around(reach) > extent.samples_around(reach) + single {
                 break;
             }
-            (extent, cost) = (wider, wider_cost);
+            extent = wider;
             block.positions.end += 1;
             for k in 0..D {
                 let (anchor, offset) = N::place(at[k], centre[k], position.anchor[k], position.offset[k]);
-                // Lanes without a position of their own repeat the last.
-                N::lanes(&mut block.anchor[k])[lane..].fill(anchor);
-                N::lanes(&mut block.offset[k])[lane..].fill(offset);
+                N::lanes(&mut block.anchor[k])[lane] = anchor;
+                N::lanes(&mut block.offset[k])[lane] = offset;
                 block.residual[k][lane] = N::residual(at[k], position.anchor[k], position.offset[k]);
             }
         }
         let taken = block.positions.len();
+        for slot in block.anchor.iter_mut().chain(&mut block.offset) {
+            // Lanes without a position of their own repeat the last.
+            let last = N::lanes(slot)[taken - 1];
+            N::lanes(slot)[taken..].fill(last);
+        }
         self.blocks.push(block);
         self.boxes.push(extent);
         taken

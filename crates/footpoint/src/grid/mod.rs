@@ -12,16 +12,18 @@ pub(crate) use group::{Groups, group};
 /// Samples whose scaled coordinates are larger than this cannot be told apart within a support: doubles are too
 /// coarse there. They count as absent.
 const LARGEST_COORDINATE: f64 = (1_u64 << 50) as f64;
-/// The same where coordinates lie on the lattice: its points must be doubles.
-const LARGEST_ON_LATTICE: f64 = (1_u64 << 31) as f64;
+/// The same where coordinates lie on the lattice: `snapped` rounds correctly up to twice that.
+const LARGEST_ON_LATTICE: f64 = (1_u64 << 29) as f64;
 
 /// Spacing of the lattice that single precision rounds samples and positions to, in units of the grid: differences of
 /// less than eight units are then exact in 24 bits.
 pub(crate) const LATTICE: f64 = 1.0 / (1_u64 << 21) as f64;
 
-/// The nearest point of the lattice.
+/// The nearest point of the lattice: doubles of the size of this number are just so far apart.
+#[inline(always)]
 pub(crate) fn snapped<const D: usize>(point: [f64; D]) -> [f64; D] {
-    point.map(|c| (c / LATTICE).round_ties_even() * LATTICE)
+    const ROUNDER: f64 = 1.5 * LATTICE * (1_u64 << 52) as f64;
+    point.map(|c| (c + ROUNDER) - ROUNDER)
 }
 
 /// Samples in canonical order, in units of `unit`: a power of two with unit ≤ largest support < 2 unit.
@@ -249,6 +251,17 @@ mod tests {
         let mut order = points(&grid(with_outliers, &Radii::Uniform(1.1), 1.1));
         order.retain(|p| p[0].abs() < 100.0);
         assert_eq!(order, points(&grid(cloud, &Radii::Uniform(1.1), 1.1)));
+    }
+
+    #[test]
+    fn the_lattice_takes_the_nearest_point() {
+        let mut random = Random::new(10);
+        for size in [1e-6, 1.0, 1e3, LARGEST_ON_LATTICE] {
+            for _ in 0..1000 {
+                let x = size * (2.0 * random.uniform() - 1.0);
+                assert_eq!(snapped([x]), [(x / LATTICE).round_ties_even() * LATTICE]);
+            }
+        }
     }
 
     #[test]
