@@ -152,10 +152,11 @@ pub(crate) trait Culled: Number {
     fn centre(middle: f64) -> f64;
     /// A coordinate relative to the centre.
     fn local(self, centre: f64) -> f32;
+    /// Where sums are computed for a position, and the way from there to where it is: single precision moves it to the
+    /// lattice. Both depend on the anchor's place on the lattice, not on its size, so that a moved cloud keeps its bits.
+    fn taken_at(anchor: f64, offset: f64) -> (f64, f64);
     /// Anchor and offset of a position that is taken at `at`.
     fn place(at: f64, centre: f64, anchor: f64, offset: f64) -> (Self, Self);
-    /// The way from where a position is taken to where it is.
-    fn residual(at: f64, anchor: f64, offset: f64) -> f64;
 }
 
 impl Culled for f64 {
@@ -174,8 +175,9 @@ impl Culled for f64 {
         (anchor, offset)
     }
 
-    fn residual(_: f64, _: f64, _: f64) -> f64 {
-        0.0
+    #[inline(always)]
+    fn taken_at(anchor: f64, offset: f64) -> (f64, f64) {
+        (anchor + offset, 0.0)
     }
 }
 
@@ -195,8 +197,12 @@ impl Culled for f32 {
         ((at - centre) as f32, 0.0)
     }
 
-    fn residual(at: f64, anchor: f64, offset: f64) -> f64 {
-        (anchor - at) + offset
+    #[inline(always)]
+    fn taken_at(anchor: f64, offset: f64) -> (f64, f64) {
+        let [near] = snapped([anchor]);
+        let rest = (anchor - near) + offset;
+        let [step] = snapped([rest]);
+        (near + step, rest - step)
     }
 }
 
@@ -369,9 +375,10 @@ fn copy_points<N: Number, const D: usize>(
         Store::Single(columns) => {
             for (corner, samples) in stretch.cells() {
                 for k in 0..D {
-                    let shift = (corner[k] - centre[k]) as f32;
+                    // Cells begin farther out than the samples that matter lie: only the sum is short enough for 24 bits.
+                    let shift = corner[k] - centre[k];
                     points[k]
-                        .extend(columns[k][samples.clone()].iter().map(|&c| N::of(f64::from(c + shift))));
+                        .extend(columns[k][samples.clone()].iter().map(|&c| N::of(f64::from(c) + shift)));
                 }
             }
         }

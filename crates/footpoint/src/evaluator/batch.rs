@@ -68,6 +68,16 @@ struct Block<N: Number, const D: usize> {
     positions: Range<usize>,
 }
 
+/// Where sums are computed for a position, and the way from there to where it is.
+#[inline(always)]
+pub(super) fn taken_at<N: Culled, const D: usize>(position: &Position<D>) -> ([f64; D], [f64; D]) {
+    let (mut at, mut residual) = ([0.0; D], [0.0; D]);
+    for k in 0..D {
+        (at[k], residual[k]) = N::taken_at(position.anchor[k], position.offset[k]);
+    }
+    (at, residual)
+}
+
 /// One vector's share of a block, and what the stages leave for each other.
 #[derive(Debug)]
 struct Unit<N: Number, const D: usize> {
@@ -142,7 +152,7 @@ impl<N: Culled, const D: usize> Batch<N, D> {
         let most = (PLACES / self.candidates.columns.len.max(1)).clamp(1, BLOCKS);
         let mut taken = 0;
         while taken < positions.len() && self.blocks.len() < most {
-            taken += self.add_block(grid, reach, taken, &positions[taken..]);
+            taken += self.add_block(reach, taken, &positions[taken..]);
         }
         self.ends.clear();
         self.candidates.sift(&self.boxes, task.level, &mut self.places, &mut self.ends);
@@ -154,7 +164,7 @@ impl<N: Culled, const D: usize> Batch<N, D> {
 
     /// Makes a block of the first of these positions: as many as a vector holds, unless they are so far apart that their
     /// common list is longer than two. The first is number `first`.
-    fn add_block(&mut self, grid: &Grid<D>, reach: f64, first: usize, positions: &[Position<D>]) -> usize {
+    fn add_block(&mut self, reach: f64, first: usize, positions: &[Position<D>]) -> usize {
         let centre = self.candidates.centre;
         let mut block = Block {
             anchor: [N::ZERO_SLOT; D],
@@ -166,7 +176,7 @@ impl<N: Culled, const D: usize> Batch<N, D> {
         let single = Extent { low: [0.0; D], high: [0.0; D] }.samples_around(reach);
         for lane in 0..N::BLOCK {
             let Some(position) = positions.get(lane) else { break };
-            let at = grid.taken_at(position.rounded());
+            let (at, residual) = taken_at::<N, D>(position);
             let wider = extent.joined(&Extent { low: at, high: at });
             let far = lane > 0 && wider.longest_side() > reach;
             if far && wider.samples_around(reach) > extent.samples_around(reach) + single {
@@ -178,7 +188,7 @@ impl<N: Culled, const D: usize> Batch<N, D> {
                 let (anchor, offset) = N::place(at[k], centre[k], position.anchor[k], position.offset[k]);
                 N::lanes(&mut block.anchor[k])[lane] = anchor;
                 N::lanes(&mut block.offset[k])[lane] = offset;
-                block.residual[k][lane] = N::residual(at[k], position.anchor[k], position.offset[k]);
+                block.residual[k][lane] = residual[k];
             }
         }
         let taken = block.positions.len();

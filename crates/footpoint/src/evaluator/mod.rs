@@ -11,7 +11,7 @@ use crate::engine::{Culled, Extent};
 use crate::grid::{Grid, Store};
 pub(crate) use answers::{Answers, Extra, Local};
 pub(crate) use batch::Pass;
-use batch::{Announce, Batch, Task};
+use batch::{Announce, Batch, Task, taken_at};
 use fearless_simd::Level;
 
 /// What to compute.
@@ -90,7 +90,7 @@ fn evaluate<N: Culled, const D: usize>(
     (first, positions): (usize, &[Position<D>]),
     take: &mut impl FnMut(usize, &Answers<D>, usize),
 ) {
-    let extent = Extent::around(positions.iter().map(|position| grid.taken_at(position.rounded())));
+    let extent = Extent::around(positions.iter().map(|position| taken_at::<N, D>(position).0));
     if !batch.candidates.covers(&extent) {
         let side = grid.typical_side();
         if extent.longest_side() > (LONGEST_SIDE - 2.0 * MARGIN) * side && positions.len() > 1 {

@@ -120,14 +120,6 @@ impl<const D: usize> Grid<D> {
         point.iter().all(|c| c.abs() < largest)
     }
 
-    /// The position that sums are computed at: single precision moves it to the lattice.
-    pub(crate) fn taken_at(&self, point: [f64; D]) -> [f64; D] {
-        match self.store {
-            Store::Double(_) => point,
-            Store::Single(_) => snapped(point),
-        }
-    }
-
     /// The sample at a place, if the grid has it as given.
     #[inline(always)]
     pub(crate) fn sample(&self, place: usize) -> Option<[f64; D]> {
