@@ -109,6 +109,13 @@ impl Differences {
             }
         }
     }
+
+    #[track_caller]
+    fn report(&self) {
+        // A few say where to look.
+        let some: Vec<&str> = self.0.iter().take(40).map(String::as_str).collect();
+        assert!(some.is_empty(), "{} differences:\n{}", self.0.len(), some.join("\n"));
+    }
 }
 
 fn all(columns: &[Column]) -> Vec<&Column> {
@@ -290,7 +297,7 @@ fn everywhere<const D: usize>(shape: &Samples<D>, radius: f64, precision: Precis
             }
         }
     }
-    assert!(unlike.0.is_empty(), "{}", unlike.0.join("\n"));
+    unlike.report();
 }
 
 /// Where the processor has no AVX-512, or not even AVX2, that comparison says nothing.
@@ -336,4 +343,58 @@ fn an_ellipse_in_double_precision() {
 fn an_ellipse_in_single_precision() {
     let (shape, radius) = ellipse();
     everywhere(&shape, radius, Precision::Single);
+}
+
+/// A wavy curve along the x axis with supports a little below two units of the grid, and queries near it.
+fn wave(grain: f64) -> (Columns<2>, Vec<[f64; 2]>) {
+    let mut random = Random::new(21);
+    let rounded = |p: [f64; 2]| p.map(|c| (c / grain).round() * grain);
+    let points = (0..400).map(|_| {
+        let x = 16.0 * random.uniform();
+        rounded([x, 0.3 * x.sin() + 0.05 * random.normal()])
+    });
+    let points: Vec<[f64; 2]> = points.collect();
+    let columns = Columns { points, normals: None, supports: None, factors: None, radius: 1.9 };
+    let queries = near_samples(&columns.points, 2000, 0.5, 22).into_iter().map(rounded).collect();
+    (columns, queries)
+}
+
+/// A group's positions may lie some nine units apart: a sample's distance to its centre must stay exact even so.
+#[test]
+fn a_query_far_off_in_its_group() {
+    let (columns, queries) = wave(1.0 / (1_u64 << 40) as f64);
+    let mut unlike = Differences::default();
+    for precision in [Precision::Double, Precision::Single] {
+        let surface = columns.surface(Definition::new().with_precision(precision));
+        for &x in queries.iter().filter(|x| x[0] < 7.0) {
+            let one = Run::new().threads(1);
+            let alone = evaluation_columns(&surface.with(&one).evaluate(&[x], Want::ALL).unwrap());
+            let pair = [x, [x[0] + 8.75, x[1]]];
+            let both = evaluation_columns(&surface.with(&one).evaluate(&pair, Want::ALL).unwrap());
+            let first: Vec<Column> = both.iter().map(|c| Column { bits: c.row(0).to_vec(), ..*c }).collect();
+            unlike.note(&all(&first), &all(&alone), &[0], &format!("{precision:?} {x:?} beside another"));
+        }
+    }
+    unlike.report();
+}
+
+/// Where doubles are hardly finer than the lattice of single precision, a move shows at once how iterates are rounded.
+#[test]
+fn a_move_as_far_as_single_precision_goes() {
+    let grain = 1.0 / (1_u64 << 24) as f64;
+    let (columns, queries) = wave(grain);
+    let mut unlike = Differences::default();
+    for precision in [Precision::Double, Precision::Single] {
+        let definition = Definition::new().with_precision(precision);
+        let case = Case {
+            columns: columns.clone(),
+            queries: queries.clone(),
+            cells: [(1_u64 << 26) as f64, 1.0, 0.0],
+            label: format!("a wave, {precision:?}"),
+        };
+        let expected = answers(&columns.surface(definition), &queries, Run::new().threads(1));
+        let every: Vec<usize> = (0..queries.len()).collect();
+        case.moved(definition, (&all(&expected), &every), &case.label, &mut unlike);
+    }
+    unlike.report();
 }
