@@ -90,9 +90,17 @@ fn factors_multiply_the_weights() {
     let two = evaluate(&folder, "--factor-column two").0;
     let after = folder.csv("out.csv");
     all_differ(&[plain, area, two]);
-    let doubled: Vec<u64> = before.numbers("weight_sum").iter().map(|s| (2.0 * s).to_bits()).collect();
-    assert_eq!(common::bits(&after.numbers("weight_sum")), doubled);
-    assert_eq!(before.words("value"), after.words("value"), "one factor for all changes no f");
+    // With factors the sums run in another mode: what is equal is equal but for the last digits.
+    let near = |a: f64, b: f64, size: f64| {
+        assert!((a - b).abs() <= 1e-13 * size || (a.is_nan() && b.is_nan()), "{a} {b}");
+    };
+    for (before, after) in before.numbers("weight_sum").iter().zip(after.numbers("weight_sum")) {
+        near(2.0 * before, after, after);
+    }
+    let support = before.numbers("support");
+    for (i, (before, after)) in before.numbers("value").iter().zip(after.numbers("value")).enumerate() {
+        near(*before, after, support[i]);
+    }
 }
 
 #[test]
