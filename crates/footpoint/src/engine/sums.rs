@@ -49,6 +49,8 @@ pub(crate) trait Mode {
 pub(crate) struct Plain;
 /// One support, no factors.
 pub(crate) struct Moved;
+/// Positions at their anchors.
+pub(crate) struct Resting;
 /// Whatever there is.
 pub(crate) struct General;
 impl Mode for Plain {
@@ -58,6 +60,10 @@ impl Mode for Plain {
 impl Mode for Moved {
     const VARIED: bool = false;
     const MOVED: bool = true;
+}
+impl Mode for Resting {
+    const VARIED: bool = true;
+    const MOVED: bool = false;
 }
 impl Mode for General {
     const VARIED: bool = true;

@@ -7,7 +7,7 @@ use super::answers::{Answers, LANES};
 use crate::algebra::{dot, each};
 use crate::engine::{
     Candidates, Culled, Extent, Frame, FrameSums, General, List, Mode, Moved, Place, Plain, Position,
-    Statistics, first_pass, second_pass, sensitivity, statistics,
+    Resting, Statistics, first_pass, second_pass, sensitivity, statistics,
 };
 use crate::field::NormalField;
 use crate::frame::{Fit, fit, gradient};
@@ -221,11 +221,12 @@ impl<N: Culled, const D: usize> Batch<N, D> {
 fn run_stages(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
     fn sized<N: Culled, const D: usize>(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
         let Some(batch) = batch.downcast_mut::<Batch<N, D>>() else { return };
-        match (task.varied, task.moved) {
-            (true, _) => stages::<N, General, D>(task, batch, announce),
-            // Positions of 32 bits have no offset: they lie on the lattice.
-            (false, true) if N::HAS_OFFSETS => stages::<N, Moved, D>(task, batch, announce),
-            (false, _) => stages::<N, Plain, D>(task, batch, announce),
+        // Positions of 32 bits have no offset: they lie on the lattice.
+        match (task.varied, task.moved && N::HAS_OFFSETS) {
+            (true, true) => stages::<N, General, D>(task, batch, announce),
+            (true, false) => stages::<N, Resting, D>(task, batch, announce),
+            (false, true) => stages::<N, Moved, D>(task, batch, announce),
+            (false, false) => stages::<N, Plain, D>(task, batch, announce),
         }
     }
     sized::<f64, 3>(task, batch, announce);
