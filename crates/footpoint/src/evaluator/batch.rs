@@ -19,7 +19,7 @@ use std::any::Any;
 use std::ops::Range;
 
 /// Blocks of a batch, at most: more would leave the fastest cache.
-pub(super) const BLOCKS: usize = 8;
+const BLOCKS: usize = 8;
 /// Places in the lists of a batch, at most, unless one block has more: where supports hold ten thousand samples, a batch is
 /// one block.
 const PLACES: usize = 1 << 15;

@@ -1,8 +1,7 @@
 //! Building the index: keys, one sort, columns.
 
 use super::{
-    Cells, Grid, LARGEST_COORDINATE, LARGEST_ON_LATTICE, Level, Store, cell_of, compare_cells,
-    group::group_samples, side_of, snapped,
+    Cells, Grid, Level, Store, cell_of, compare_cells, group::group_samples, is_held, side_of, snapped,
 };
 use crate::algebra::{compare, exponent};
 use crate::cloud::Cloud;
@@ -80,11 +79,7 @@ impl<const D: usize> Samples<'_, D> {
     /// The power of two of the support, if the sample takes part.
     fn level(&self, sample: usize) -> Option<i32> {
         let radius = self.radii.of(self.cloud, sample)? * self.inverse * self.reach;
-        let largest = match self.precision {
-            Precision::Double => LARGEST_COORDINATE,
-            Precision::Single => LARGEST_ON_LATTICE,
-        };
-        let holds = self.cloud.points()[sample].iter().all(|c| (c * self.inverse).abs() < largest);
+        let holds = is_held(self.cloud.points()[sample].map(|c| c * self.inverse), self.precision);
         holds.then(|| exponent(radius))
     }
 

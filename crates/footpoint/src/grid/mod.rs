@@ -5,6 +5,7 @@ mod cells;
 mod group;
 
 use crate::algebra::exponent;
+use crate::lane::Precision;
 use cells::Cells;
 pub(crate) use cells::Stretch;
 pub(crate) use group::{Groups, group};
@@ -71,6 +72,15 @@ struct Level<const D: usize> {
     cells: Cells<D>,
 }
 
+/// Whether a grid of this precision tells positions here apart within a support. NaN is not.
+fn is_held<const D: usize>(point: [f64; D], precision: Precision) -> bool {
+    let largest = match precision {
+        Precision::Double => LARGEST_COORDINATE,
+        Precision::Single => LARGEST_ON_LATTICE,
+    };
+    point.iter().all(|c| c.abs() < largest)
+}
+
 fn cell_of<const D: usize>(point: [f64; D], side: f64) -> [i64; D] {
     // Clamped, so that differences of cells stay in range where a support is tiny and a coordinate huge.
     const FARTHEST: f64 = (1_u64 << 61) as f64;
@@ -113,11 +123,11 @@ impl<const D: usize> Grid<D> {
 
     /// Whether positions here, in units of the grid, are told apart within a support. NaN is not.
     pub(crate) fn holds(&self, point: [f64; D]) -> bool {
-        let largest = match self.store {
-            Store::Double(_) => LARGEST_COORDINATE,
-            Store::Single(_) => LARGEST_ON_LATTICE,
+        let precision = match self.store {
+            Store::Double(_) => Precision::Double,
+            Store::Single(_) => Precision::Single,
         };
-        point.iter().all(|c| c.abs() < largest)
+        is_held(point, precision)
     }
 
     /// The sample at a place, if the grid has it as given.
@@ -158,7 +168,6 @@ impl<const D: usize> Grid<D> {
 mod tests {
     use super::*;
     use crate::cloud::Cloud;
-    use crate::lane::Precision;
     use crate::run::Run;
     use crate::samples::Random;
     use crate::support::Radii;

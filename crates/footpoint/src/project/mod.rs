@@ -56,7 +56,7 @@ impl Project {
         self
     }
 
-    /// Stops when the last step and |f| are at most this many local supports. Reaches 1e-12; NaN counts as 0.
+    /// Stops where the operator's next step and |f| are at most this many local supports. Reaches 1e-12; NaN counts as 0.
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = if tolerance.is_nan() { 0.0 } else { tolerance };
         self
@@ -90,8 +90,8 @@ pub struct Projections<const D: usize> {
     pub frame_normal: Vec<[f64; D]>,
     /// |x − y|; negative behind the surface if the surface's sign is given.
     pub distance: Vec<f64>,
-    /// The larger of |f| and the last step, a length: what the tolerance is compared with;
-    /// that of the last iterate at which f exists. NaN if there is none.
+    /// The larger of |f| and the operator's next step at the result, a length: what the tolerance is compared with;
+    /// where the status is not *ok*, at the last iterate at which f exists. NaN if there is none.
     pub residual: Vec<f64>,
     /// Evaluations of f spent.
     pub evaluations: Vec<u32>,

@@ -51,8 +51,9 @@ pub(super) struct Moving<const D: usize> {
     /// Earlier offsets of this attempt and their plain steps, the last first.
     history: [(Vector<f64, D>, Vector<f64, D>); 2],
     remembered: usize,
-    /// Whether it has arrived or failed; *ok* while it moves and when it has arrived.
+    /// Whether it has arrived or failed.
     ended: bool,
+    /// *ok* while it moves and when it has arrived.
     status: Status,
 }
 
