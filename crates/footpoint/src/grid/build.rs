@@ -9,6 +9,7 @@ use crate::lane::Precision;
 use crate::run::Run;
 use crate::support::Radii;
 use std::cmp::Ordering;
+use std::ops::Range;
 
 /// What the sort sees of a sample. What it does not decide is looked up in the cloud.
 #[derive(Clone, Copy)]
@@ -101,31 +102,51 @@ impl<const D: usize> Samples<'_, D> {
     }
 
     /// The levels that occur, ascending, with the bounds of their cells.
-    fn packings(&self) -> Vec<Packing<D>> {
-        let mut bounds: Vec<(i32, [f64; D], [f64; D])> = Vec::new();
-        for i in 0..self.cloud.len() {
-            let Some(level) = self.level(i) else { continue };
-            let point = self.point(i as u32);
-            let place = match bounds.iter().position(|b| b.0 == level) {
-                Some(place) => place,
-                None => {
-                    bounds.push((level, point, point));
-                    bounds.len() - 1
+    fn packings(&self, run: &Run<'_>) -> Vec<Packing<D>> {
+        let count = self.cloud.len();
+        let mut parts: Vec<(Range<usize>, Bounds<D>)> = (0..count)
+            .step_by(BOUNDS_AT_A_TIME)
+            .map(|begin| (begin..count.min(begin + BOUNDS_AT_A_TIME), Bounds::default()))
+            .collect();
+        run.for_each(&mut parts, |(range, bounds)| {
+            for i in range.clone() {
+                if let Some(level) = self.level(i) {
+                    let point = self.point(i as u32);
+                    bounds.include(level, point, point);
                 }
-            };
-            let (_, low, high) = &mut bounds[place];
-            for k in 0..D {
-                low[k] = low[k].min(point[k]);
-                high[k] = high[k].max(point[k]);
             }
+        });
+        let mut all = Bounds::default();
+        for (level, low, high) in parts.into_iter().flat_map(|(_, bounds)| bounds.0) {
+            all.include(level, low, high);
         }
-        bounds.sort_unstable_by_key(|b| b.0);
+        all.0.sort_unstable_by_key(|b| b.0);
         let packing = |&(level, low, high): &(i32, [f64; D], [f64; D])| {
             let (first, last) = (cell_of(low, side_of(level)), cell_of(high, side_of(level)));
             let bits = std::array::from_fn(|k| 64 - (last[k] - first[k]).leading_zeros());
             Packing { level, first, bits }
         };
-        bounds.iter().map(packing).collect()
+        all.0.iter().map(packing).collect()
+    }
+}
+
+/// Samples whose bounds one thread finds in one go.
+const BOUNDS_AT_A_TIME: usize = 1 << 14;
+
+/// The levels that occur, with the box around the samples of each.
+#[derive(Default)]
+struct Bounds<const D: usize>(Vec<(i32, [f64; D], [f64; D])>);
+
+impl<const D: usize> Bounds<D> {
+    fn include(&mut self, level: i32, low: [f64; D], high: [f64; D]) {
+        let Some((_, lowest, highest)) = self.0.iter_mut().find(|b| b.0 == level) else {
+            self.0.push((level, low, high));
+            return;
+        };
+        for k in 0..D {
+            lowest[k] = lowest[k].min(low[k]);
+            highest[k] = highest[k].max(high[k]);
+        }
     }
 }
 
@@ -142,24 +163,23 @@ impl<const D: usize> Grid<D> {
         let unit = 2.0_f64.powi(exponent(largest * reach).clamp(-1000, 1000));
         let inverse = 1.0 / unit;
         let samples = Samples { cloud, radii, inverse, reach, precision };
-        let packings = samples.packings();
+        let packings = samples.packings(run);
         let entries = sorted(&samples, &packings, run);
 
-        let sample = |e: &Entry| e.sample as usize;
+        let len = entries.len();
+        let sample = |i: usize| entries[i].sample as usize;
         let scales: Vec<f64> = match radii {
             Radii::Uniform(_) => Vec::new(),
-            Radii::PerSample(h) => entries.iter().map(|e| h[sample(e)] * inverse).collect(),
+            Radii::PerSample(h) => run.collect(len, |i| h[sample(i)] * inverse),
         };
         let uniform_scale = largest * inverse;
-        let factors = cloud.factors().map_or(Vec::new(), |f| entries.iter().map(|e| f[sample(e)]).collect());
+        let factors = cloud.factors().map_or(Vec::new(), |f| run.collect(len, |i| f[sample(i)]));
         let normals = std::array::from_fn(|k| {
             let absent_as_zero = |n: [f64; D]| if n[0].is_nan() { 0.0 } else { n[k] };
-            cloud
-                .normals()
-                .map_or(Vec::new(), |n| entries.iter().map(|e| absent_as_zero(n[sample(e)])).collect())
+            cloud.normals().map_or(Vec::new(), |n| run.collect(len, |i| absent_as_zero(n[sample(i)])))
         });
-        let points = run.collect(entries.len(), |i| samples.point(entries[i].sample));
-        let original: Vec<u32> = entries.iter().map(|e| e.sample).collect();
+        let points = run.collect(len, |i| samples.point(entries[i].sample));
+        let original = run.collect(len, |i| entries[i].sample);
 
         let mut levels = Vec::new();
         let mut begin = 0;
@@ -171,21 +191,20 @@ impl<const D: usize> Grid<D> {
                 _ => uniform_scale,
             };
             let side = side_of(packings[(level[0].key >> CELL_BITS) as usize].level);
-            let cells = Cells::new(points[range.clone()].iter().map(|&p| cell_of(p, side)), range.start);
+            let cells = Cells::new(range, |i| cell_of(points[i], side), run);
             levels.push(Level { side, reach: largest * reach, cells });
         }
         drop(entries);
         let groups = group_samples(&levels, |i| points[i as usize], run);
         let store = match precision {
-            Precision::Double => {
-                Store::Double(std::array::from_fn(|k| points.iter().map(|p| p[k]).collect()))
-            }
+            Precision::Double => Store::Double(std::array::from_fn(|k| run.collect(len, |i| points[i][k]))),
             Precision::Single => Store::Single(std::array::from_fn(|k| {
-                let mut column = Vec::with_capacity(points.len());
+                let mut column = Vec::with_capacity(len);
                 for level in &levels {
-                    column.extend(points[level.cells.samples()].iter().map(|&p| {
-                        let corner = cell_of(p, level.side)[k] as f64 * level.side;
-                        (p[k] - corner) as f32
+                    let own = &points[level.cells.samples()];
+                    column.extend(run.collect(own.len(), |i| {
+                        let corner = cell_of(own[i], level.side)[k] as f64 * level.side;
+                        (own[i][k] - corner) as f32
                     }));
                 }
                 column

@@ -1,5 +1,6 @@
 //! Occupied cells of one level: rows along the first axis, found through a table or by bisection.
 
+use crate::run::Run;
 use std::ops::Range;
 
 /// The occupied cells.
@@ -32,26 +33,28 @@ fn row_of<const D: usize>(cell: [i64; D]) -> [i64; 2] {
 }
 
 impl<const D: usize> Cells<D> {
-    /// From the cell of every sample, in canonical order; the first of them is sample `offset`.
-    pub(super) fn new(samples: impl Iterator<Item = [i64; D]>, offset: usize) -> Self {
-        let (mut along, mut begins) = (Vec::new(), Vec::new());
+    /// From the cell of every sample of this range, in canonical order.
+    pub(super) fn new(
+        samples: Range<usize>,
+        cell: impl Fn(usize) -> [i64; D] + Sync + Send,
+        run: &Run<'_>,
+    ) -> Self {
+        let offset = samples.start;
+        let opens = |i: usize| i == 0 || cell(offset + i) != cell(offset + i - 1);
+        let mut begins: Vec<u32> =
+            run.collect_some(samples.len(), |i| opens(i).then_some((offset + i) as u32));
+        let mut along = Vec::with_capacity(begins.len());
         let (mut rows, mut row_begins) = (Vec::new(), Vec::new());
-        let mut end = offset;
-        let mut last = None;
-        for cell in samples {
-            if last != Some(cell) {
-                let row = row_of(cell);
-                if rows.last() != Some(&row) {
-                    rows.push(row);
-                    row_begins.push(along.len() as u32);
-                }
-                along.push(cell[0]);
-                begins.push(end as u32);
-                last = Some(cell);
+        for &begin in &begins {
+            let cell = cell(begin as usize);
+            let row = row_of(cell);
+            if rows.last() != Some(&row) {
+                rows.push(row);
+                row_begins.push(along.len() as u32);
             }
-            end += 1;
+            along.push(cell[0]);
         }
-        begins.push(end as u32);
+        begins.push(samples.end as u32);
         row_begins.push(along.len() as u32);
 
         let bound = |axis: usize| {
