@@ -4,8 +4,8 @@ use crate::print::Verbosity;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use footpoint_jobs::scan::ScanPlan;
 use footpoint_jobs::{
-    DemoPlan, Extra, NormalChoice, NormalField, Operator, Overwrite, Precision, Recipe, Support, Weight,
-    recipe_of,
+    Bending, DemoPlan, Extra, NoiseSource, NormalChoice, NormalField, Operator, Overwrite, Precision, Recipe,
+    Support, Weight, recipe_of,
 };
 use std::path::PathBuf;
 
@@ -128,6 +128,14 @@ enum ExtraName {
     SquaredSensitivity,
     /// The local support h(x)
     Support,
+    /// |a − x| across n, in supports: large at a rim
+    Eccentricity,
+    /// Second derivatives of f
+    Hessian,
+    /// Mean, Gaussian and principal curvatures with their directions
+    Curvature,
+    /// Standard deviation of f, with --noise
+    Sigma,
 }
 
 impl ExtraName {
@@ -137,6 +145,10 @@ impl ExtraName {
             Self::Eigenvalues => Extra::Eigenvalues,
             Self::SquaredSensitivity => Extra::SquaredSensitivity,
             Self::Support => Extra::Support,
+            Self::Eccentricity => Extra::Eccentricity,
+            Self::Hessian => Extra::Hessian,
+            Self::Curvature => Extra::Curvature,
+            Self::Sigma => Extra::Sigma,
         }
     }
 }
@@ -151,11 +163,18 @@ pub(crate) struct NormalsArguments {
     /// Which normal
     #[arg(long, value_enum, default_value = "surface")]
     normal: NormalName,
+    /// Add mean, Gaussian and principal curvatures with their directions
+    #[arg(long)]
+    curvature: bool,
     #[command(flatten)]
     common: Common,
 }
 
 impl NormalsArguments {
+    pub(crate) fn bending(&self) -> Bending {
+        if self.curvature { Bending::Write } else { Bending::Omit }
+    }
+
     pub(crate) fn choice(&self) -> NormalChoice {
         match self.normal {
             NormalName::Surface => NormalChoice::Surface,
@@ -191,6 +210,9 @@ pub(crate) struct ProjectArguments {
     /// Last step and |f| allowed, in local supports [default: 1e-6]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = positive)]
     tolerance: Option<f64>,
+    /// Noise of foreign points, one standard deviation in the unit of the file; with --noise
+    #[arg(long, value_name = "SIGMA", requires = "noise", requires = "onto", allow_negative_numbers = true)]
+    query_noise: Option<f64>,
     #[command(flatten)]
     common: Common,
 }
@@ -208,6 +230,7 @@ impl ProjectArguments {
         if let Some(tolerance) = self.tolerance {
             *how = how.with_tolerance(tolerance);
         }
+        recipe.query_noise = self.query_noise.or(recipe.query_noise);
     }
 }
 
@@ -239,6 +262,9 @@ pub(crate) struct Common {
     /// Column of factors that multiply the weights (area, confidence)
     #[arg(long, value_name = "NAME")]
     factor_column: Option<String>,
+    /// Noise of the samples, for sigma: one standard deviation in the unit of the file, a column of them, or `auto`
+    #[arg(long, value_name = "SIGMA|NAME|auto", allow_negative_numbers = true)]
+    noise: Option<String>,
     /// Weight function [default: poly3]
     #[arg(long, value_enum)]
     weight: Option<WeightName>,
@@ -364,6 +390,9 @@ impl Common {
         }
         if self.factor_column.is_some() {
             recipe.factor_column.clone_from(&self.factor_column);
+        }
+        if let Some(noise) = &self.noise {
+            recipe.noise = Some(NoiseSource::of(noise));
         }
         if let Some(weight) = self.weight {
             definition = definition.with_weight(match weight {

@@ -5,7 +5,7 @@ use crate::load::Loaded;
 use crate::output::{Naming, along, set_counts, set_numbers, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
-use footpoint::{Evaluations, Queries, Want};
+use footpoint::{Curvatures, Evaluations, Queries, Want};
 use footpoint_io::{Column, Table, WriteOptions, check_table, check_writable, write};
 use std::path::Path;
 
@@ -20,7 +20,17 @@ pub enum Extra {
     SquaredSensitivity,
     /// `support`: h at the point.
     Support,
+    /// `eccentricity`: |a − x| across n over the support; above the acceptance rule's limit a surface point is *boundary*.
+    Eccentricity,
+    /// `hessian_xx`, `hessian_xy` …: the upper triangle of ∇²f.
+    Hessian,
+    /// `mean_curvature`, `gaussian_curvature`, `principal_curvature_1` …, `principal_direction_1_x` …; in 2-D `curvature`.
+    Curvature,
+    /// `sigma`: the standard deviation of f from the samples' noise.
+    Sigma,
 }
+
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 const USUAL: [Want; 8] = [
     Want::VALUE,
@@ -67,6 +77,9 @@ fn run<const D: usize>(
     context: &Context<'_>,
     mut report: Report,
 ) -> Result<Report, JobError> {
+    if extra.contains(&Extra::Sigma) && context.recipe.noise.is_none() {
+        return Err(JobError::NoNoise);
+    }
     let surface = loaded.surface::<D>(context, &mut report)?;
     let want = USUAL.into_iter().chain(extra.iter().map(|e| e.want())).reduce(|a, b| a | b);
     let points = at.points::<D>();
@@ -89,6 +102,8 @@ fn arrange<const D: usize>(at: Loaded, result: Evaluations<D>, extra: &[Extra], 
     for &i in &at.roles.coordinates {
         table.set(queries.columns[i].clone());
     }
+    let mut more = Table::default();
+    extra.iter().for_each(|extra| extra.set(&mut more, &result));
     set_numbers(&mut table, "value", result.value);
     set_vectors(&mut table, along("average"), &result.average);
     set_vectors(&mut table, |axis| naming.frame_normal(axis), &result.frame_normal);
@@ -98,18 +113,7 @@ fn arrange<const D: usize>(at: Loaded, result: Evaluations<D>, extra: &[Extra], 
     set_counts(&mut table, "neighbours", result.neighbours);
     set_numbers(&mut table, "effective_neighbours", result.effective_neighbours);
     table.set(naming.status(&result.status));
-    for extra in extra {
-        match extra {
-            Extra::WeightSum => set_numbers(&mut table, "weight_sum", result.weight_sum.clone()),
-            Extra::Eigenvalues => {
-                set_vectors(&mut table, |k| format!("eigenvalue_{k}"), &result.eigenvalues);
-            }
-            Extra::SquaredSensitivity => {
-                set_numbers(&mut table, "squared_sensitivity", result.squared_sensitivity.clone());
-            }
-            Extra::Support => set_numbers(&mut table, "support", result.support.clone()),
-        }
-    }
+    more.columns.into_iter().for_each(|column| table.set(column));
     for (i, Column { name, data }) in queries.columns.into_iter().enumerate() {
         if at.roles.coordinates.contains(&i) {
             continue;
@@ -121,13 +125,54 @@ fn arrange<const D: usize>(at: Loaded, result: Evaluations<D>, extra: &[Extra], 
     table
 }
 
+/// Curvatures under their names; in 2-D there is one.
+pub(crate) fn set_curvatures<const D: usize>(table: &mut Table, curvature: &Curvatures<D>) {
+    if D == 2 {
+        set_numbers(table, "curvature", curvature.mean.clone());
+        return;
+    }
+    set_numbers(table, "mean_curvature", curvature.mean.clone());
+    set_numbers(table, "gaussian_curvature", curvature.gaussian.clone());
+    set_vectors(table, |k| format!("principal_curvature_{}", k + 1), &curvature.principal);
+    for k in 0..2 {
+        let directions: Vec<[f64; D]> = curvature.directions.iter().map(|pair| pair[k]).collect();
+        set_vectors(table, along(&format!("principal_direction_{}", k + 1)), &directions);
+    }
+}
+
 impl Extra {
+    fn set<const D: usize>(self, table: &mut Table, result: &Evaluations<D>) {
+        match self {
+            Self::WeightSum => set_numbers(table, "weight_sum", result.weight_sum.clone()),
+            Self::Eigenvalues => set_vectors(table, |k| format!("eigenvalue_{k}"), &result.eigenvalues),
+            Self::SquaredSensitivity => {
+                set_numbers(table, "squared_sensitivity", result.squared_sensitivity.clone());
+            }
+            Self::Support => set_numbers(table, "support", result.support.clone()),
+            Self::Eccentricity => set_numbers(table, "eccentricity", result.eccentricity.clone()),
+            Self::Hessian => {
+                for (i, first) in AXES.iter().enumerate().take(D) {
+                    for (k, second) in AXES.iter().enumerate().take(D).skip(i) {
+                        let entries = result.hessian.iter().map(|h| h[i][k]).collect();
+                        set_numbers(table, &format!("hessian_{first}{second}"), entries);
+                    }
+                }
+            }
+            Self::Curvature => set_curvatures(table, &result.curvature),
+            Self::Sigma => set_numbers(table, "sigma", result.sigma.clone()),
+        }
+    }
+
     /// Every extra column with the name that asks for it.
-    pub const ALL: [(&'static str, Self); 4] = [
+    pub const ALL: [(&'static str, Self); 8] = [
         ("weight_sum", Self::WeightSum),
         ("eigenvalues", Self::Eigenvalues),
         ("squared_sensitivity", Self::SquaredSensitivity),
         ("support", Self::Support),
+        ("eccentricity", Self::Eccentricity),
+        ("hessian", Self::Hessian),
+        ("curvature", Self::Curvature),
+        ("sigma", Self::Sigma),
     ];
 
     fn want(self) -> Want {
@@ -136,6 +181,10 @@ impl Extra {
             Self::Eigenvalues => Want::EIGENVALUES,
             Self::SquaredSensitivity => Want::SQUARED_SENSITIVITY,
             Self::Support => Want::SUPPORT,
+            Self::Eccentricity => Want::ECCENTRICITY,
+            Self::Hessian => Want::HESSIAN,
+            Self::Curvature => Want::CURVATURE,
+            Self::Sigma => Want::SIGMA,
         }
     }
 }

@@ -21,9 +21,11 @@ pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
 pub use evaluate::{Extra, evaluate};
 pub use info::{InfoReport, NormalsReport, info};
-pub use normals::{NormalChoice, normals};
+pub use normals::{Bending, NormalChoice, normals};
 pub use project::project;
-pub use report::{InputReport, MovedReport, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of};
+pub use report::{
+    InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
+};
 
 /// What the jobs take from the library, so that a front needs no other crate.
 pub use footpoint::{
@@ -103,6 +105,20 @@ pub enum JobError {
         /// What stands against it.
         problem: footpoint::Error,
     },
+    /// The noise of a file does not fit.
+    #[error("{path}: {problem}")]
+    Noise {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        problem: footpoint::NoiseError,
+    },
+    /// Uncertainties without noise.
+    #[error("sigma needs the noise of the samples: --noise SIGMA, --noise COLUMN or --noise auto")]
+    NoNoise,
+    /// Uncertainties cannot be had.
+    #[error(transparent)]
+    Uncertainty(footpoint::UncertaintyError),
     /// A folder cannot be made.
     #[error("{}: cannot make this folder: {problem}", path.display())]
     Folder {
@@ -129,5 +145,14 @@ impl JobError {
 impl From<footpoint::Cancelled> for JobError {
     fn from(_: footpoint::Cancelled) -> Self {
         Self::Cancelled
+    }
+}
+
+impl From<footpoint::UncertaintyError> for JobError {
+    fn from(error: footpoint::UncertaintyError) -> Self {
+        match error {
+            footpoint::UncertaintyError::Cancelled(_) => Self::Cancelled,
+            other => Self::Uncertainty(other),
+        }
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::clock::{Times, timed};
 use crate::output::drop_own_status;
-use crate::report::{InputReport, Recipe, Report, SurfaceReport};
+use crate::report::{InputReport, NoiseSource, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError};
-use footpoint::{Cloud, Definition, Error, Support, Surface};
+use footpoint::{Cloud, Definition, Error, Noise, Support, Surface};
 use footpoint_io::roles::Roles;
 use footpoint_io::{Format, Input};
 use std::path::Path;
@@ -107,7 +107,12 @@ impl Loaded {
         if let Some(name) = &recipe.factor_column {
             cloud = cloud.with_factors(column(name)?).map_err(misfit)?;
         }
-        Ok(cloud)
+        let wrong = |problem| JobError::Noise { path: self.path.clone(), problem };
+        match &recipe.noise {
+            Some(NoiseSource::Uniform(sigma)) => cloud.with_noise(Noise::Uniform(*sigma)).map_err(wrong),
+            Some(NoiseSource::Column(name)) => cloud.with_noise(Noise::Each(column(name)?)).map_err(wrong),
+            Some(NoiseSource::Estimated) | None => Ok(cloud),
+        }
     }
 
     /// The surface that the file's points define.
@@ -118,10 +123,17 @@ impl Loaded {
     ) -> Result<Surface<D>, JobError> {
         let cloud = self.cloud::<D>(&context.recipe)?;
         let built = surface_of_cloud(cloud, &self.path, context, &mut report.times);
-        let surface = built.map_err(|error| match error {
+        let mut surface = built.map_err(|error| match error {
             JobError::Surface { .. } if self.input.table.rows() == 0 => JobError::NoPoints(self.path.clone()),
             other => other,
         })?;
+        if context.recipe.noise == Some(NoiseSource::Estimated) {
+            let run = context.run.silent();
+            let estimate = timed(&mut report.times.compute, || surface.with(&run).estimate_noise())?;
+            surface = surface
+                .with_uniform_noise(estimate.sigma)
+                .map_err(|problem| JobError::Noise { path: self.path.clone(), problem })?;
+        }
         report.surface = Some(SurfaceReport::of(&surface));
         Ok(surface)
     }

@@ -1,6 +1,7 @@
 //! Job: each sample with its normal.
 
 use crate::clock::timed;
+use crate::evaluate::set_curvatures;
 use crate::load::Loaded;
 use crate::output::{Naming, merge, set_vectors};
 use crate::report::Report;
@@ -21,13 +22,23 @@ pub enum NormalChoice {
     Both,
 }
 
+/// Whether curvatures are written beside the normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bending {
+    /// Normals alone.
+    #[default]
+    Omit,
+    /// Mean, Gaussian and principal curvatures with their directions; in 2-D the curvature.
+    Write,
+}
+
 /// Writes every sample of `input`, in its order and with all its columns, with its normal and status.
 ///
 /// A normal that does not exist is NaN. Columns of the input whose names the results take become `given_nx`, ….
 pub fn normals(
     input: &Path,
     output: &Path,
-    choice: NormalChoice,
+    choice: (NormalChoice, Bending),
     context: &Context<'_>,
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
@@ -45,16 +56,20 @@ pub fn normals(
 fn run<const D: usize>(
     loaded: Loaded,
     output: &Path,
-    choice: NormalChoice,
+    choice: (NormalChoice, Bending),
     context: &Context<'_>,
     mut report: Report,
 ) -> Result<Report, JobError> {
     let surface = loaded.surface::<D>(context, &mut report)?;
-    let want = match choice {
+    let (choice, bending) = choice;
+    let mut want = match choice {
         NormalChoice::Surface => Want::SURFACE_NORMAL,
         NormalChoice::Frame => Want::FRAME_NORMAL,
         NormalChoice::Both => Want::SURFACE_NORMAL | Want::FRAME_NORMAL,
     };
+    if bending == Bending::Write {
+        want = want | Want::CURVATURE;
+    }
     let result =
         timed(&mut report.times.compute, || surface.with(&context.run).evaluate(Queries::Samples, want))?;
     report.count(&result.status);
@@ -66,6 +81,9 @@ fn run<const D: usize>(
     }
     if want.contains(Want::FRAME_NORMAL) {
         set_vectors(&mut computed, |axis| naming.frame_normal(axis), &result.frame_normal);
+    }
+    if bending == Bending::Write {
+        set_curvatures(&mut computed, &result.curvature);
     }
     computed.set(naming.status(&result.status));
     let mut table = loaded.input.table;

@@ -5,14 +5,14 @@ use crate::load::Loaded;
 use crate::output::{Naming, merge, set_counts, set_numbers, set_vectors};
 use crate::report::{MovedReport, Report};
 use crate::{Context, JobError};
-use footpoint::{Project, Projections, Queries, Status};
+use footpoint::{Noise, Project, Projections, Queries, Status, Uncertainty};
 use footpoint_io::{Table, WriteOptions, check_table, check_writable, write};
 use std::path::Path;
 
 /// Projects every point of `input` onto the surface of `onto`, or onto its own.
 ///
 /// Rows keep their order and all other columns; coordinates become the projected ones, as doubles. A point that
-/// cannot be projected stays where it was, and its status says why.
+/// cannot be projected stays where it was, and its status says why. With noise each distance has its standard deviation and bias.
 pub fn project(
     input: &Path,
     onto: Option<&Path>,
@@ -48,14 +48,28 @@ fn run<const D: usize>(
     let surface = onto.as_ref().unwrap_or(&points).surface::<D>(context, &mut report)?;
     let foreign = onto.is_some().then(|| points.points::<D>());
     let queries = foreign.as_deref().map_or(Queries::Samples, Queries::Points);
-    let result = timed(&mut report.times.compute, || surface.with(&context.run).project(queries, &how))?;
+    let running = surface.with(&context.run);
+    let (result, errors) = if surface.cloud().noise().is_none() {
+        (timed(&mut report.times.compute, || running.project(queries, &how))?, None)
+    } else {
+        let mut uncertainty = Uncertainty::new().with_project(how);
+        if let Some(sigma) = context.recipe.query_noise {
+            uncertainty = uncertainty.with_query_noise(Noise::Uniform(sigma));
+        }
+        let found = timed(&mut report.times.compute, || running.uncertainty(queries, &uncertainty))?;
+        (found.feet, Some((found.sigma, found.bias)))
+    };
     report.count(&result.status);
     report.moved = Some(moved(&result));
 
     let naming = Naming::of(output);
     let mut table = points.input.table;
     let names = |axis: usize| table.columns[points.roles.coordinates[axis]].name.clone();
-    let computed = projection_columns(names, naming, result);
+    let mut computed = projection_columns(names, naming, result);
+    if let Some((sigma, bias)) = errors {
+        set_numbers(&mut computed, "distance_sigma", sigma);
+        set_numbers(&mut computed, "distance_bias", bias);
+    }
     merge(&mut table, &points.roles, computed);
     let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
     timed(&mut report.times.write, || write(output, &table, &options))?;

@@ -3,7 +3,7 @@
 use crate::clock::Times;
 use crate::demo::DemoReport;
 use crate::info::InfoReport;
-use footpoint::{Definition, Project, Sign, Status, SupportSummary, Surface};
+use footpoint::{Definition, Noise, Project, Sign, Status, SupportSummary, Surface};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -58,9 +58,38 @@ pub struct Recipe {
     /// Column of factors.
     #[serde(default)]
     pub factor_column: Option<String>,
+    /// Where the noise of the samples is from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseSource>,
+    /// Noise of foreign points, a standard deviation in the unit of the files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub query_noise: Option<f64>,
     /// Operator and tolerance of a projection.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub project: Option<Project>,
+}
+
+/// Where the noise of the samples is from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NoiseSource {
+    /// One standard deviation, in the unit of the file.
+    Uniform(f64),
+    /// A column of them.
+    Column(String),
+    /// Estimated from the residuals.
+    Estimated,
+}
+
+impl NoiseSource {
+    /// `auto`, a number, or the name of a column.
+    pub fn of(text: &str) -> Self {
+        match text.parse() {
+            Ok(sigma) => Self::Uniform(sigma),
+            Err(_) if text == "auto" => Self::Estimated,
+            Err(_) => Self::Column(text.to_owned()),
+        }
+    }
 }
 
 /// One file read.
@@ -97,6 +126,9 @@ pub struct SurfaceReport {
     pub samples_absent: usize,
     /// Bound on |a − x|/h that was used.
     pub boundary_limit: f64,
+    /// Noise of the samples where one figure holds for all, given or estimated: a length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_sigma: Option<f64>,
     /// Moves of the cloud by whole multiples of this keep every bit of the result.
     pub cell_side: f64,
 }
@@ -176,6 +208,10 @@ impl SurfaceReport {
             samples_used: surface.samples_used(),
             samples_absent: surface.cloud().len() - surface.samples_used(),
             boundary_limit: surface.definition().boundary_limit::<D>(),
+            noise_sigma: match surface.cloud().noise() {
+                Some(&Noise::Uniform(sigma)) => Some(sigma),
+                _ => None,
+            },
             cell_side: surface.cell_side(),
         }
     }

@@ -1,8 +1,9 @@
-//! Samples with optional normals, supports and factors.
+//! Samples with optional normals, supports, factors and noise.
 
 use crate::algebra::direction;
+use crate::noise::{Noise, NoiseError};
 
-/// Samples p_i, with optional unit normals n_i, support radii h_i and factors ω_i (SPEC § 1).
+/// Samples p_i, with optional unit normals n_i, support radii h_i, factors ω_i (SPEC § 1) and noise.
 ///
 /// Columns are kept in the order given. Normals are rescaled to unit length on entry; a normal that is zero or not
 /// finite counts as absent for its sample. A sample with a coordinate or factor that is not finite, or a factor of
@@ -13,6 +14,7 @@ pub struct Cloud<const D: usize> {
     normals: Option<Vec<[f64; D]>>,
     supports: Option<Vec<f64>>,
     factors: Option<Vec<f64>>,
+    noise: Option<Noise<D>>,
 }
 
 /// A column that does not fit its cloud.
@@ -47,7 +49,7 @@ pub enum CloudError {
 impl<const D: usize> Cloud<D> {
     /// A cloud of bare points, D = 2 or 3, in any unit of length.
     pub fn new(points: impl Into<Vec<[f64; D]>>) -> Self {
-        Self { points: points.into(), normals: None, supports: None, factors: None }
+        Self { points: points.into(), normals: None, supports: None, factors: None, noise: None }
     }
 
     /// Adds normals, one a sample; they need not have unit length.
@@ -72,6 +74,13 @@ impl<const D: usize> Cloud<D> {
     /// Adds factors ω_i (area, confidence), one a sample: they multiply the weights.
     pub fn with_factors(mut self, factors: impl Into<Vec<f64>>) -> Result<Self, CloudError> {
         self.factors = Some(self.checked_positive("factor", factors.into())?);
+        Ok(self)
+    }
+
+    /// Says how noisy the positions are: for uncertainties; the surface does not depend on it.
+    pub fn with_noise(mut self, noise: Noise<D>) -> Result<Self, NoiseError> {
+        noise.check(self.len())?;
+        self.noise = Some(noise);
         Ok(self)
     }
 
@@ -103,6 +112,11 @@ impl<const D: usize> Cloud<D> {
     /// Factors, as given.
     pub fn factors(&self) -> Option<&[f64]> {
         self.factors.as_deref()
+    }
+
+    /// The noise of the positions, if it is known.
+    pub fn noise(&self) -> Option<&Noise<D>> {
+        self.noise.as_ref()
     }
 
     /// How many samples lack a usable normal; all of them without a column of normals.

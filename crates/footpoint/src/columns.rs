@@ -26,6 +26,20 @@ impl<'c, const W: usize> Numbers<'c, W> {
         Self(<[[AtomicU64; W]]>::mut_from_bytes(column.as_mut_bytes()).unwrap_or_default())
     }
 
+    /// Rows of matrices: D rows of numbers each.
+    pub(crate) fn matrices<const R: usize>(
+        column: &'c mut Vec<[[f64; W]; R]>,
+        rows: usize,
+        wanted: bool,
+    ) -> Self {
+        sized(column, rows, wanted, [[0.0; W]; R]);
+        Self(<[[AtomicU64; W]]>::mut_from_bytes(column.as_mut_bytes()).unwrap_or_default())
+    }
+
+    pub(crate) fn is_wanted(&self) -> bool {
+        !self.0.is_empty()
+    }
+
     /// The row will be filled soon.
     #[inline(always)]
     pub(crate) fn expect(&self, row: usize) {
@@ -41,6 +55,16 @@ impl<'c, const W: usize> Numbers<'c, W> {
             for k in 0..W {
                 cells[k].store(values[k].to_bits(), Relaxed);
             }
+        }
+    }
+}
+
+impl<const W: usize> Numbers<'_, W> {
+    /// Fills a row of matrices.
+    #[inline(always)]
+    pub(crate) fn put_matrix<const R: usize>(&self, row: usize, matrix: [[f64; W]; R]) {
+        for (i, values) in matrix.into_iter().enumerate() {
+            self.put(row * R + i, values);
         }
     }
 }

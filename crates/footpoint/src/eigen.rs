@@ -294,7 +294,7 @@ fn rotate<L: Lane, const D: usize>(a: &mut Matrix<L, D>, v: &mut Matrix<L, D>, p
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lane::tests::Dual;
+    use crate::dual::Dual;
     use crate::samples::Random;
 
     fn check<const D: usize>(m: Matrix<f64, D>) {
@@ -397,7 +397,7 @@ mod tests {
     fn dual_numbers_give_the_derivative_of_the_eigenvector() {
         let at = |t: f64| [[1.0 + t, 0.3, 0.1 - t], [0.3, 2.0, 0.2], [0.1 - t, 0.2, 3.5 + 2.0 * t]];
         let slope = [[1.0, 0.0, -1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 2.0]];
-        let dual = eigen::<Dual, 3>(std::array::from_fn(|i| {
+        let dual = eigen::<Dual<f64>, 3>(std::array::from_fn(|i| {
             std::array::from_fn(|j| Dual { value: at(0.0)[i][j], slope: slope[i][j] })
         }));
         let step = 1e-5;

@@ -1,13 +1,14 @@
 //! Evaluation: f, its gradient and what belongs to them, in columns.
 
-use crate::algebra::scale;
-use crate::columns::{Counts, Numbers, Statuses};
+mod filling;
+
+use crate::columns::Statuses;
 use crate::evaluator::{Extra, Local, Pass, Position, Wanted};
-use crate::field::NormalField;
 use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
 use crate::status::Status;
 use crate::surface::{Running, Surface};
+use filling::Columns;
 use std::ops::{BitOr, Range};
 
 /// A set of columns of [`Evaluations`]: only these are computed and stored. Join them with `|`.
@@ -39,8 +40,16 @@ impl Want {
     pub const SQUARED_SENSITIVITY: Self = Self(1 << 10);
     /// h(x).
     pub const SUPPORT: Self = Self(1 << 11);
+    /// |a − x| across n over h(x).
+    pub const ECCENTRICITY: Self = Self(1 << 12);
+    /// ∇²f.
+    pub const HESSIAN: Self = Self(1 << 13);
+    /// Curvatures of the level set of f.
+    pub const CURVATURE: Self = Self(1 << 14);
+    /// The standard deviation of f that the samples' noise causes.
+    pub const SIGMA: Self = Self(1 << 15);
     /// Every column.
-    pub const ALL: Self = Self((1 << 12) - 1);
+    pub const ALL: Self = Self((1 << 16) - 1);
 
     /// Whether all of `other` is in the set.
     pub fn contains(self, other: Self) -> bool {
@@ -83,8 +92,35 @@ pub struct Evaluations<const D: usize> {
     pub squared_sensitivity: Vec<f64>,
     /// h(x) = Σθh/S, a length.
     pub support: Vec<f64>,
+    /// |a − x| across n, over h(x): 0 amid the samples, larger toward a rim. What [`Acceptance::boundary`] bounds.
+    ///
+    /// [`Acceptance::boundary`]: crate::Acceptance::boundary
+    pub eccentricity: Vec<f64>,
+    /// ∇²f, one over a length, exact: ∇f in dual numbers. Of a weight that is smooth enough: `Poly2`'s jumps where a sample
+    /// enters the support.
+    pub hessian: Vec<[[f64; D]; D]>,
+    /// Curvatures of the level set of f through the point.
+    pub curvature: Curvatures<D>,
+    /// √(Σ G_iᵀ C_i G_i), G_i = ∂f/∂p_i, a length (SPEC § 10): first order in the noise, upper at large noise. A query that is
+    /// a sample moves with it. NaN where the cloud's noise is not known.
+    pub sigma: Vec<f64>,
     /// *ok*, *outside*, *degenerate*, *singular* (no gradient, hence no surface normal) or *invalid*.
     pub status: Vec<Status>,
+}
+
+/// Curvatures of level sets of f (SPEC § 4), one over a length, positive where the surface bends toward −∇f: a sphere with
+/// outward ∇f has 1/R. They flip with the sign of f. NaN where ∇f has no direction.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curvatures<const D: usize> {
+    /// (k1 + k2)/2; in 2-D the curvature.
+    pub mean: Vec<f64>,
+    /// k1 k2; NaN in 2-D.
+    pub gaussian: Vec<f64>,
+    /// k1 ≥ k2; in 2-D the curvature and NaN.
+    pub principal: Vec<[f64; 2]>,
+    /// Unit vectors along the surface in which it bends by k1 and k2, the component of largest magnitude positive; any two across
+    /// each other where k1 = k2. In 2-D the tangent and NaN.
+    pub directions: Vec<[[f64; D]; 2]>,
 }
 
 impl<const D: usize> Surface<D> {
@@ -120,138 +156,34 @@ impl<const D: usize> Running<'_, D> {
         let queries = at.into();
         let rows = queries.points(surface).len();
         let grouped = Grouped::new(surface, queries, self.run);
+        let any = |columns: Want| want.0 & columns.0 != 0;
         let wanted = Wanted {
             moving: false,
-            gradient: want.contains(Want::GRADIENT) || want.contains(Want::SURFACE_NORMAL),
-            sensitivity: want.contains(Want::SQUARED_SENSITIVITY),
-            statistics: want.contains(Want::NEIGHBOURS) || want.contains(Want::EFFECTIVE_NEIGHBOURS),
-            eigenvalues: want.contains(Want::EIGENVALUES),
+            gradient: any(Want::GRADIENT | Want::SURFACE_NORMAL | Want::CURVATURE | Want::SIGMA),
+            sensitivity: any(Want::SQUARED_SENSITIVITY | Want::SIGMA),
+            statistics: any(Want::NEIGHBOURS | Want::EFFECTIVE_NEIGHBOURS),
+            eigenvalues: any(Want::EIGENVALUES),
+            hessian: any(Want::HESSIAN | Want::CURVATURE),
         };
+        let own = if any(Want::SIGMA) { grouped.own_places() } else { Vec::new() };
         let status = Statuses::new(rows);
         let has_gradient = wanted.gradient || wanted.sensitivity;
-        let filling = Columns::new(columns, rows, want, &status, has_gradient);
+        let filling = Columns::new((surface, &own), (columns, rows), want, (&status, has_gradient));
         grouped.for_each_group(self.run, wanted, |evaluator, group| {
             let announce = |places: Range<usize>, pass: Pass| {
                 group.rows[places].iter().for_each(|&row| filling.expect(row as usize, pass));
             };
             evaluator.evaluate(&group.positions, &announce, |i, answers, lane| {
                 let row = group.rows[i] as usize;
-                filling.put(surface, row, &group.positions[i], (&answers.local(lane), &answers.extra(lane)));
+                filling.put(row, &group.positions[i], (&answers.local(lane), &answers.extra(lane)));
             });
             for &row in &group.invalid {
-                filling.put(
-                    surface,
-                    row as usize,
-                    &Position::at([f64::NAN; D]),
-                    (&Local::NOWHERE, &Extra::NOWHERE),
-                );
+                let nowhere = Position::at([f64::NAN; D]);
+                filling.put(row as usize, &nowhere, (&Local::NOWHERE, &Extra::NOWHERE));
                 status.put(row as usize, Status::Invalid);
             }
         })?;
         status.finish(&mut columns.status);
         Ok(())
-    }
-}
-
-/// The columns while threads fill them.
-struct Columns<'c, const D: usize> {
-    value: Numbers<'c, 1>,
-    average: Numbers<'c, D>,
-    frame_normal: Numbers<'c, D>,
-    gradient: Numbers<'c, D>,
-    surface_normal: Numbers<'c, D>,
-    gap: Numbers<'c, 1>,
-    neighbours: Counts<'c>,
-    effective_neighbours: Numbers<'c, 1>,
-    weight_sum: Numbers<'c, 1>,
-    eigenvalues: Numbers<'c, D>,
-    squared_sensitivity: Numbers<'c, 1>,
-    support: Numbers<'c, 1>,
-    status: &'c Statuses,
-    has_gradient: bool,
-}
-
-impl<'c, const D: usize> Columns<'c, D> {
-    fn new(
-        to: &'c mut Evaluations<D>,
-        rows: usize,
-        want: Want,
-        status: &'c Statuses,
-        has_gradient: bool,
-    ) -> Self {
-        Self {
-            value: Numbers::values(&mut to.value, rows, want.contains(Want::VALUE)),
-            average: Numbers::rows(&mut to.average, rows, want.contains(Want::AVERAGE)),
-            frame_normal: Numbers::rows(&mut to.frame_normal, rows, want.contains(Want::FRAME_NORMAL)),
-            gradient: Numbers::rows(&mut to.gradient, rows, want.contains(Want::GRADIENT)),
-            surface_normal: Numbers::rows(&mut to.surface_normal, rows, want.contains(Want::SURFACE_NORMAL)),
-            gap: Numbers::values(&mut to.gap, rows, want.contains(Want::GAP)),
-            neighbours: Counts::values(&mut to.neighbours, rows, want.contains(Want::NEIGHBOURS)),
-            effective_neighbours: Numbers::values(
-                &mut to.effective_neighbours,
-                rows,
-                want.contains(Want::EFFECTIVE_NEIGHBOURS),
-            ),
-            weight_sum: Numbers::values(&mut to.weight_sum, rows, want.contains(Want::WEIGHT_SUM)),
-            eigenvalues: Numbers::rows(&mut to.eigenvalues, rows, want.contains(Want::EIGENVALUES)),
-            squared_sensitivity: Numbers::values(
-                &mut to.squared_sensitivity,
-                rows,
-                want.contains(Want::SQUARED_SENSITIVITY),
-            ),
-            support: Numbers::values(&mut to.support, rows, want.contains(Want::SUPPORT)),
-            status,
-            has_gradient,
-        }
-    }
-
-    /// Calls for the memory of a row, which is far from the last one where queries are in random order; half of it before
-    /// each pass, because the processor waits for few lines at a time.
-    #[inline(always)]
-    fn expect(&self, row: usize, pass: Pass) {
-        if pass == Pass::First {
-            self.value.expect(row);
-            self.average.expect(row);
-            self.frame_normal.expect(row);
-            self.gap.expect(row);
-            self.neighbours.expect(row);
-            self.effective_neighbours.expect(row);
-        } else {
-            self.gradient.expect(row);
-            self.surface_normal.expect(row);
-            self.weight_sum.expect(row);
-            self.eigenvalues.expect(row);
-            self.squared_sensitivity.expect(row);
-            self.support.expect(row);
-            self.status.expect(row);
-        }
-    }
-
-    #[inline(always)]
-    fn put(
-        &self,
-        surface: &Surface<D>,
-        row: usize,
-        position: &Position<D>,
-        (local, extra): (&Local<D>, &Extra<D>),
-    ) {
-        let unit = surface.grid.unit;
-        // Moments of positions carry a square of the unit, moments of normals none.
-        let moment = if surface.definition.field() == NormalField::AveragedAxes { 1.0 } else { unit * unit };
-        self.value.put(row, [local.value * unit]);
-        let average: [f64; D] = std::array::from_fn(|k| position.anchor[k] + local.aside[k]);
-        self.average.put(row, scale(average, unit));
-        self.frame_normal.put(row, local.normal);
-        self.gradient.put(row, local.gradient);
-        self.surface_normal.put(row, local.surface_normal);
-        self.gap.put(row, [local.gap]);
-        self.neighbours.put(row, extra.neighbours);
-        self.effective_neighbours.put(row, [extra.effective_neighbours]);
-        self.weight_sum.put(row, [extra.weight_sum]);
-        self.eigenvalues.put(row, scale(extra.eigenvalues, moment));
-        self.squared_sensitivity.put(row, [extra.sensitivity]);
-        self.support.put(row, [local.support * unit]);
-        let level = self.has_gradient && local.status.is_ok() && !local.has_surface_normal();
-        self.status.put(row, if level { Status::Singular } else { local.status });
     }
 }

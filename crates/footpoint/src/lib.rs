@@ -29,7 +29,9 @@
 mod algebra;
 mod cloud;
 mod columns;
+mod curvature;
 mod definition;
+mod dual;
 mod eigen;
 mod engine;
 mod evaluate;
@@ -38,6 +40,7 @@ mod field;
 mod frame;
 mod grid;
 mod lane;
+mod noise;
 mod project;
 mod queries;
 mod run;
@@ -45,21 +48,25 @@ pub mod samples;
 mod status;
 mod support;
 mod surface;
+mod uncertainty;
+mod variance;
 mod weight;
 #[cfg(feature = "serde")]
 mod written;
 
 pub use cloud::{Cloud, CloudError};
 pub use definition::{Acceptance, Definition, DefinitionError, Error, Kind};
-pub use evaluate::{Evaluations, Want};
+pub use evaluate::{Curvatures, Evaluations, Want};
 pub use field::NormalField;
 pub use lane::Precision;
+pub use noise::{Noise, NoiseError};
 pub use project::{Operator, Project, Projections, Trace};
 pub use queries::Queries;
 pub use run::{Cancelled, Instructions, Progress, Run};
 pub use status::Status;
 pub use support::{Support, SupportError, SupportSummary, spacing};
 pub use surface::{Running, Sign, Surface};
+pub use uncertainty::{NoiseEstimate, Uncertainties, Uncertainty, UncertaintyError};
 pub use weight::Weight;
 
 /// The README's example is tested like every other.

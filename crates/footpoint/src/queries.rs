@@ -50,6 +50,8 @@ pub(crate) struct Grouped<'q, const D: usize> {
     groups: Cow<'q, Groups>,
     /// Which query stands at each place of the order, where that is not its own number.
     rows: Option<&'q [u32]>,
+    /// The queries are not the samples.
+    foreign: bool,
 }
 
 /// The queries of one group.
@@ -66,16 +68,26 @@ impl<'q, const D: usize> Grouped<'q, D> {
     pub(crate) fn new(surface: &'q Surface<D>, queries: Queries<'q, D>, run: &Run<'_>) -> Self {
         let grid = &surface.grid;
         let points = queries.points(surface);
+        let foreign = matches!(queries, Queries::Points(_));
         match queries {
             // The grid knows the samples that take part; where some do not, they are asked about like any point.
-            Queries::Samples if grid.len() == points.len() => {
-                Self { surface, points, groups: Cow::Borrowed(grid.groups()), rows: Some(grid.original()) }
-            }
+            Queries::Samples if grid.len() == points.len() => Self {
+                surface,
+                points,
+                groups: Cow::Borrowed(grid.groups()),
+                rows: Some(grid.original()),
+                foreign,
+            },
             _ => {
                 let groups = group(points, grid, run);
-                Self { surface, points, groups: Cow::Owned(groups), rows: None }
+                Self { surface, points, groups: Cow::Owned(groups), rows: None, foreign }
             }
         }
+    }
+
+    /// Where in the grid each query stands that is a sample; empty for foreign ones.
+    pub(crate) fn own_places(&self) -> Vec<Option<u32>> {
+        if self.foreign { Vec::new() } else { self.surface.grid.places(self.points.len()) }
     }
 
     /// Calls `work` for every group, in parallel, each thread with an evaluator of its own.

@@ -55,6 +55,20 @@ impl Weight {
         }
     }
 
+    /// How far the surface lies inside a curved one, over κ h² (SPEC § 11): half the weighted mean of r²/h² over an even, flat
+    /// sampling of a curve (`dimension` 2; κ its curvature) or a surface (3; κ the mean curvature).
+    pub fn bias(self, dimension: usize) -> f64 {
+        let power = |m: f64| 0.5 / if dimension == 2 { 2.0 * m + 3.0 } else { m + 2.0 };
+        let curve = dimension == 2;
+        match self {
+            Self::Poly2 => power(2.0),
+            Self::Poly3 => power(3.0),
+            Self::Poly4 => power(4.0),
+            Self::Wendland => [5.0 / 72.0, 1.0 / 28.0][usize::from(curve)],
+            Self::Gaussian { .. } => [0.5, 0.25][usize::from(curve)],
+        }
+    }
+
     /// The largest |a(x) − x| of a surface point in units of h (SPEC § 8) for frames fitted about a(x).
     pub(crate) fn boundary_limit(self) -> f64 {
         match self {
@@ -279,10 +293,10 @@ mod tests {
     }
 
     #[test]
-    fn effective_shares_agree_with_sums_over_an_even_sampling() {
+    fn effective_shares_and_biases_agree_with_sums_over_an_even_sampling() {
         for weight in ALL {
             for dimension in [2, 3] {
-                let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+                let (mut sum, mut squares, mut count, mut second) = (0.0, 0.0, 0.0, 0.0);
                 let n = 400_i32;
                 let across = if dimension == 3 { 5 * n } else { 0 };
                 for i in -5 * n..=5 * n {
@@ -291,6 +305,7 @@ mod tests {
                         let theta = with_kernel!(weight, k => k.theta(k.closeness(s2)));
                         sum += theta;
                         squares += theta * theta;
+                        second += theta * s2;
                         count += f64::from(u8::from(s2 < 1.0));
                     }
                 }
@@ -299,6 +314,11 @@ mod tests {
                 assert!(
                     (share - expected).abs() < 0.01 * expected,
                     "{weight:?} {dimension}: {share} {expected}"
+                );
+                let (bias, expected) = (0.5 * second / sum, weight.bias(dimension));
+                assert!(
+                    (bias - expected).abs() < 0.01 * expected,
+                    "{weight:?} {dimension}: {bias} {expected}"
                 );
             }
         }

@@ -13,17 +13,20 @@ const CRATES: [(&str, &[&str]); 4] = [
 ];
 
 /// The library's rooms, lowest first: each may use only those before it.
-const ROOMS: [&str; 21] = [
+const ROOMS: [&str; 26] = [
     "written",
     "lane",
+    "dual",
     "status",
     "algebra",
     "samples",
+    "curvature",
     "eigen",
     "weight",
     "field",
     "columns",
     "run",
+    "noise",
     "cloud",
     "support",
     "grid",
@@ -33,12 +36,14 @@ const ROOMS: [&str; 21] = [
     "evaluator",
     "surface",
     "queries",
+    "variance",
     "evaluate",
     "project",
+    "uncertainty",
 ];
 
 /// Questions see the surface and its evaluator, never the engine or the index.
-const QUESTIONS: [&str; 2] = ["evaluate", "project"];
+const QUESTIONS: [&str; 3] = ["evaluate", "project", "uncertainty"];
 const INTERNALS: [&str; 2] = ["engine", "grid"];
 
 const LONGEST_FILE: usize = 600;

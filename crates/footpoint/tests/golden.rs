@@ -5,7 +5,8 @@ mod common;
 
 use common::{dot, length, numbers, scale, shared, sub, vector, vectors};
 use footpoint::{
-    Acceptance, Cloud, Definition, NormalField, Operator, Project, Status, Support, Surface, Want, Weight,
+    Acceptance, Cloud, Definition, Evaluations, NormalField, Operator, Project, Status, Support, Surface,
+    Want, Weight,
 };
 use serde_json::Value;
 
@@ -128,6 +129,30 @@ fn evaluation<const D: usize>(golden: &Golden<D>, case: &Value, cut: f64, bound:
     if let Some(expected) = case["sum_of_squared_sensitivities"].as_f64() {
         let what = format!("{label} sensitivity");
         close(e.squared_sensitivity[0], expected, 10.0 * bound * expected, &what);
+    }
+    // The golden ones are differences, good to 1e-7; a Gaussian cut earlier is farther from them than that.
+    if case["hessian"].is_array() && bound <= 1e-9 {
+        second_derivatives(case, &e, sign, 1e-7, label);
+    }
+}
+
+fn second_derivatives<const D: usize>(case: &Value, e: &Evaluations<D>, sign: f64, bound: f64, label: &str) {
+    let expected = vectors::<D>(&case["hessian"]);
+    let size = expected.iter().flatten().fold(0.0_f64, |m, c| m.max(c.abs()));
+    for i in 0..D {
+        for k in 0..D {
+            let what = format!("{label} second derivative {i} {k}");
+            close(sign * e.hessian[0][i][k], expected[i][k], bound * size, &what);
+        }
+    }
+    let steep = length(e.gradient[0]);
+    let curvature = &case["curvature"];
+    let (mean, gaussian) = (e.curvature.mean[0], e.curvature.gaussian[0]);
+    let expected = if D == 2 { &curvature["curvature"] } else { &curvature["mean"] };
+    close(sign * mean, expected.as_f64().unwrap(), bound * size / steep, &format!("{label} curvature"));
+    if let Some(expected) = curvature["gaussian"].as_f64() {
+        let bound = bound * (size / steep) * (size / steep);
+        close(gaussian, expected, bound, &format!("{label} Gaussian curvature"));
     }
 }
 

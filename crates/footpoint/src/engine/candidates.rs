@@ -80,6 +80,8 @@ pub(crate) struct Columns<N, const D: usize> {
     pub(crate) slopes: Vec<N>,
     /// n_i, zero where absent.
     pub(crate) normals: [Vec<N>; D],
+    /// As the grid has it.
+    pub(crate) noise: Vec<Vec<N>>,
 }
 
 impl<N, const D: usize> Columns<N, D> {
@@ -219,6 +221,7 @@ impl<N: Culled, const D: usize> Candidates<N, D> {
             factors: Vec::new(),
             slopes: Vec::new(),
             normals: axes(),
+            noise: Vec::new(),
         };
         Self {
             columns,
@@ -251,6 +254,8 @@ impl<N: Culled, const D: usize> Candidates<N, D> {
         columns.normals.iter_mut().for_each(Vec::clear);
         columns.scales.clear();
         columns.factors.clear();
+        columns.noise.resize_with(grid.noise.len(), Vec::new);
+        columns.noise.iter_mut().for_each(Vec::clear);
         grid.visit(extent.low, extent.high, |stretch| {
             copy_points(&grid.store, &stretch, centre, &mut columns.points);
             let range = stretch.samples();
@@ -260,6 +265,9 @@ impl<N: Culled, const D: usize> Candidates<N, D> {
             copy(&mut columns.scales, &grid.scales);
             copy(&mut columns.factors, &grid.factors);
             for (to, from) in columns.normals.iter_mut().zip(&grid.normals) {
+                copy(to, from);
+            }
+            for (to, from) in columns.noise.iter_mut().zip(&grid.noise) {
                 copy(to, from);
             }
         });

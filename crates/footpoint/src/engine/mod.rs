@@ -7,6 +7,6 @@ mod sums;
 
 pub(crate) use candidates::{Candidates, Culled, Extent};
 pub(crate) use sums::{
-    Frame, FrameSums, General, List, Mode, Moved, Place, Plain, Position, Resting, Statistics, first_pass,
-    second_pass, sensitivity, statistics,
+    Frame, FrameSums, General, List, Mode, Moved, Place, Plain, Position, Resting, Statistics, Weighted,
+    first_pass, second_pass, sensitivity, sensitivity_to, statistics,
 };

@@ -398,7 +398,7 @@ fn psi_factor<L: Lane, K: Kernel, const D: usize>(
     L::splat(token, kernel.uniform_constants(h)[2] / (h * h))
 }
 
-/// Σ |ψ c d + θ t|² (SPEC § 10), with t = n − g (n·e) − n (g·e), e = d − u for frames about a(x) and e = d about x, and t = n for
+/// Σ |ψ c d + θ t|² and, where samples have variances or covariances C of their own, the same in the norm of C (SPEC § 10), with t = n − g (n·e) − n (g·e), e = d − u for frames about a(x) and e = d about x, and t = n for
 /// the averaged fields.
 #[inline(always)]
 pub(crate) fn sensitivity<L: Lane, K: Kernel, const D: usize>(
@@ -408,7 +408,7 @@ pub(crate) fn sensitivity<L: Lane, K: Kernel, const D: usize>(
     x: &Place<L, D>,
     (field, frame): (NormalField, &Frame<L, D>),
     kept: &[L::Slot],
-) -> L {
+) -> [L; 2] {
     match field {
         NormalField::Covariance => squares::<L, K, D, 0>((varied, kernel), list, x, frame, kept),
         NormalField::CentredCovariance => squares::<L, K, D, 1>((varied, kernel), list, x, frame, kept),
@@ -424,14 +424,14 @@ fn squares<L: Lane, K: Kernel, const D: usize, const FIELD: u8>(
     x: &Place<L, D>,
     frame: &Frame<L, D>,
     kept: &[L::Slot],
-) -> L {
+) -> [L; 2] {
     let token = x.anchor[0].token();
     let columns = list.columns;
     let points = cut(&columns.points, columns.len);
     let constants = frame_constants(frame);
     let uniform_theta = L::splat(token, kernel.uniform_constants(columns.uniform_scale)[1]);
     let uniform_psi = psi_factor::<L, K, D>(token, kernel, columns);
-    let mut sum = L::splat(token, 0.0);
+    let (mut sum, mut noisy) = (L::splat(token, 0.0), L::splat(token, 0.0));
     for (&place, kept) in list.places.iter().zip(kept) {
         let j = place as usize;
         let d = to_sample::<L, General, D>(&points, j, x);
@@ -445,16 +445,74 @@ fn squares<L: Lane, K: Kernel, const D: usize, const FIELD: u8>(
         let (theta, psi) = (theta * kernel.theta(closeness), psi * kernel.psi(closeness));
         let normal = if FIELD > 1 { each(|k| number(&columns.normals[k])) } else { zero(token) };
         let c = sensitivity_scalar::<L, D, FIELD>(frame, constants, d, normal);
-        let n = frame.normal;
-        let t = match FIELD {
-            0 => turned(frame, d),
-            1 => turned(frame, sub(d, frame.aside)),
-            _ => n,
-        };
-        let whole = add_scaled(scale(d, psi * c), t, theta);
+        let whole = add_scaled(scale(d, psi * c), shift::<L, D, FIELD>(frame, d), theta);
         sum = sum + dot(whole, whole);
+        noisy = noisy + norm_by(&columns.noise, j, whole);
     }
-    sum
+    [sum, noisy]
+}
+
+/// vᵀ C v for the sample at place j: nothing, a variance or the upper triangle of a covariance.
+#[inline(always)]
+fn norm_by<L: Lane, const D: usize>(noise: &[Vec<L::Number>], j: usize, v: Vector<L, D>) -> L {
+    let token = v[0].token();
+    let entry = |column: usize| L::broadcast(token, noise[column][j]);
+    match noise.len() {
+        0 => L::splat(token, 0.0),
+        1 => entry(0) * dot(v, v),
+        _ => {
+            let mut sum = L::splat(token, 0.0);
+            let mut column = 0;
+            for i in 0..D {
+                sum = (v[i] * v[i]).mul_add(entry(column), sum);
+                for k in i + 1..D {
+                    sum = (v[i] * v[k]).mul_add(entry(column + k - i) * L::splat(token, 2.0), sum);
+                }
+                column += D - i;
+            }
+            sum
+        }
+    }
+}
+
+/// t: what θ multiplies.
+#[inline(always)]
+fn shift<L: Lane, const D: usize, const FIELD: u8>(frame: &Frame<L, D>, d: Vector<L, D>) -> Vector<L, D> {
+    match FIELD {
+        0 => turned(frame, d),
+        1 => turned(frame, sub(d, frame.aside)),
+        _ => frame.normal,
+    }
+}
+
+/// What a sample and its weight are at one position.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Weighted<const D: usize> {
+    pub(crate) d: Vector<f64, D>,
+    pub(crate) theta: f64,
+    pub(crate) psi: f64,
+    pub(crate) normal: Vector<f64, D>,
+}
+
+/// G of one sample, −(ψ c d + θ t)/S, at one position.
+pub(crate) fn sensitivity_to<const D: usize>(
+    field: NormalField,
+    frame: &Frame<f64, D>,
+    weight: f64,
+    sample: &Weighted<D>,
+) -> Vector<f64, D> {
+    fn whole<const D: usize, const FIELD: u8>(frame: &Frame<f64, D>, sample: &Weighted<D>) -> Vector<f64, D> {
+        let Weighted { d, theta, psi, normal } = *sample;
+        let c = sensitivity_scalar::<f64, D, FIELD>(frame, frame_constants(frame), d, normal);
+        add_scaled(scale(d, psi * c), shift::<f64, D, FIELD>(frame, d), theta)
+    }
+    let whole = match field {
+        NormalField::Covariance => whole::<D, 0>(frame, sample),
+        NormalField::CentredCovariance => whole::<D, 1>(frame, sample),
+        NormalField::AveragedNormals => whole::<D, 2>(frame, sample),
+        NormalField::AveragedAxes => whole::<D, 3>(frame, sample),
+    };
+    scale(whole, -1.0 / weight)
 }
 
 /// n − g (n·e) − n (g·e).

@@ -1,6 +1,7 @@
 //! What is known at the positions of a block, and the rules that read it.
 
-use crate::algebra::{add, dot, length, scale};
+use super::batch::Task;
+use crate::algebra::{Matrix, add, dot, length, scale};
 use crate::definition::Definition;
 use crate::field::NormalField;
 use crate::lane::Number;
@@ -37,6 +38,11 @@ pub(crate) struct Answers<const D: usize> {
     /// ∇f/|∇f|, where ∇f has a direction.
     surface_normal: [[f64; LANES]; D],
     pub(super) sensitivity: [f64; LANES],
+    /// Σ G_iᵀ C_i G_i for the samples' own noise, and g of the frame: with the sensitivity.
+    pub(super) variance: [f64; LANES],
+    pub(super) turn: [[f64; LANES]; D],
+    /// Row k: how ∇f changes along axis k.
+    pub(super) hessian: [[[f64; LANES]; D]; D],
     /// n·Nv: zero where no normal of a sample decided the sign.
     pub(super) along: [f64; LANES],
 }
@@ -56,17 +62,15 @@ impl<const D: usize> Answers<D> {
         gradient: [[f64::NAN; LANES]; D],
         surface_normal: [[f64::NAN; LANES]; D],
         sensitivity: [f64::NAN; LANES],
+        variance: [f64::NAN; LANES],
+        turn: [[f64::NAN; LANES]; D],
+        hessian: [[[f64::NAN; LANES]; D]; D],
         along: [0.0; LANES],
     };
 
     /// Takes f from where it was computed to where it was asked for, and replaces what does not exist by NaN.
     #[inline(always)]
-    pub(super) fn finish<N: Number>(
-        &mut self,
-        residual: &[[f64; LANES]; D],
-        field: NormalField,
-        has_gradient: bool,
-    ) {
+    pub(super) fn finish<N: Number>(&mut self, residual: &[[f64; LANES]; D], task: &Task) {
         let mut exists = [false; LANES];
         let mut framed = [false; LANES];
         let keep = |kept: bool, value: f64| if kept { value } else { f64::NAN };
@@ -80,7 +84,7 @@ impl<const D: usize> Answers<D> {
             self.support[i] = keep(exists[i], self.support[i]);
             self.sensitivity[i] = keep(framed[i], self.sensitivity[i]);
         }
-        let has_matrix = field != NormalField::AveragedNormals;
+        let has_matrix = task.field != NormalField::AveragedNormals;
         let mut squares = [0.0; LANES];
         for k in 0..D {
             for i in 0..N::BLOCK {
@@ -89,7 +93,7 @@ impl<const D: usize> Answers<D> {
                 self.aside[k][i] = keep(exists[i], self.aside[k][i] - residual[k][i]);
                 self.eigenvalues[k][i] = keep(exists[i] && has_matrix, self.eigenvalues[k][i]);
                 self.normal[k][i] = keep(framed[i], self.normal[k][i]);
-                self.gradient[k][i] = keep(framed[i] && has_gradient, self.gradient[k][i]);
+                self.gradient[k][i] = keep(framed[i] && task.gradient, self.gradient[k][i]);
                 squares[i] += self.gradient[k][i] * self.gradient[k][i];
             }
         }
@@ -116,6 +120,15 @@ impl<const D: usize> Answers<D> {
                 self.surface_normal[k][i] *= squares[i];
             }
         }
+    }
+
+    /// The second derivatives at one position, if they were asked for and a frame exists.
+    fn hessian(&self, lane: usize) -> Matrix<f64, D> {
+        let at = |i: usize, k: usize| self.hessian[i][k][lane];
+        let framed = !self.value[lane].is_nan();
+        std::array::from_fn(|i| {
+            std::array::from_fn(|k| if framed { 0.5 * at(i, k) + 0.5 * at(k, i) } else { f64::NAN })
+        })
     }
 
     /// One position's answers.
@@ -150,6 +163,9 @@ impl<const D: usize> Answers<D> {
             effective_neighbours: self.effective_neighbours[lane],
             eigenvalues: at(&self.eigenvalues, lane),
             sensitivity: self.sensitivity[lane],
+            variance: if self.value[lane].is_nan() { f64::NAN } else { self.variance[lane] },
+            turn: at(&self.turn, lane),
+            hessian: self.hessian(lane),
         }
     }
 }
@@ -168,6 +184,12 @@ pub(crate) struct Extra<const D: usize> {
     pub(crate) effective_neighbours: f64,
     pub(crate) eigenvalues: [f64; D],
     pub(crate) sensitivity: f64,
+    /// Σ G_iᵀ C_i G_i for the samples' own noise.
+    pub(crate) variance: f64,
+    /// g of the frame.
+    pub(crate) turn: [f64; D],
+    /// ∇²f.
+    pub(crate) hessian: Matrix<f64, D>,
 }
 
 impl<const D: usize> Extra<D> {
@@ -178,6 +200,9 @@ impl<const D: usize> Extra<D> {
         effective_neighbours: f64::NAN,
         eigenvalues: [f64::NAN; D],
         sensitivity: f64::NAN,
+        variance: f64::NAN,
+        turn: [f64::NAN; D],
+        hessian: [[f64::NAN; D]; D],
     };
 }
 
@@ -219,6 +244,11 @@ impl<const D: usize> Local<D> {
         dot(self.normal, self.gradient)
     }
 
+    /// The part of a − x across n: its part along n is f, and only the rest tells of a rim.
+    pub(crate) fn across(&self) -> f64 {
+        length(add(self.aside, scale(self.normal, self.value)))
+    }
+
     /// Whether ∇f has a direction.
     pub(crate) fn has_surface_normal(&self) -> bool {
         !self.surface_normal[0].is_nan()
@@ -227,15 +257,13 @@ impl<const D: usize> Local<D> {
     /// The rule of SPEC § 8, for a position where f vanishes.
     pub(crate) fn acceptance(&self, definition: &Definition) -> Status {
         let rule = definition.acceptance();
-        // The part of a − x along n is f; only the part across it tells of a rim.
-        let across = length(add(self.aside, scale(self.normal, self.value)));
         if !self.status.is_ok() {
             self.status
         } else if self.gap < rule.gap {
             Status::Degenerate
         } else if self.alignment() < rule.alignment || self.alignment().is_nan() {
             Status::Singular
-        } else if across > definition.boundary_limit::<D>() * self.support {
+        } else if self.across() > definition.boundary_limit::<D>() * self.support {
             Status::Boundary
         } else {
             Status::Ok

@@ -3,6 +3,8 @@
 //! Each stage runs over the whole batch before the next begins, so that the long chains of the eigenproblems of several
 //! blocks overlap. A block has as many positions as the widest vector has lanes; narrower processors take it in parts.
 
+mod hessian;
+
 use super::answers::{Answers, LANES};
 use crate::algebra::{dot, each};
 use crate::engine::{
@@ -15,6 +17,7 @@ use crate::grid::Grid;
 use crate::lane::{Lane, Number, vectorized};
 use crate::weight::{Kernel, Weight, with_kernel};
 use fearless_simd::Level;
+use hessian::{Turnings, hessians};
 use std::any::Any;
 use std::ops::Range;
 
@@ -39,6 +42,7 @@ pub(super) struct Task {
     pub(super) sensitivity: bool,
     pub(super) statistics: bool,
     pub(super) eigenvalues: bool,
+    pub(super) hessian: bool,
 }
 
 /// Told of each block before either pass over its candidates: the time to call for the memory that its answers will go to.
@@ -52,6 +56,11 @@ pub(crate) enum Pass {
 }
 
 impl Task {
+    /// What dual numbers run in.
+    pub(super) fn needs_general_columns(&self) -> bool {
+        self.varied || self.hessian
+    }
+
     fn needs_statistics(&self) -> bool {
         self.statistics || self.domain_ratio < 1.0
     }
@@ -88,7 +97,7 @@ struct Unit<N: Number, const D: usize> {
     statistics: Statistics<N::Slot>,
     fit: Fit<N::Slot, D>,
     second: [N::Slot; D],
-    sensitivity: N::Slot,
+    sensitivity: [N::Slot; 2],
 }
 
 impl<N: Number, const D: usize> Unit<N, D> {
@@ -105,7 +114,7 @@ impl<N: Number, const D: usize> Unit<N, D> {
         let frame = Frame { normal: vector, aside: vector, turn: vector };
         let fit = Fit { frame, gap: zero, eigenvalues: vector };
         let statistics = Statistics { squares: zero, neighbours: zero, inside: zero };
-        Self { block, lane, sums, statistics, fit, second: vector, sensitivity: zero }
+        Self { block, lane, sums, statistics, fit, second: vector, sensitivity: [zero; 2] }
     }
 }
 
@@ -120,6 +129,7 @@ pub(super) struct Batch<N: Number, const D: usize> {
     ends: Vec<usize>,
     /// Closeness of every candidate to every position, unit by unit.
     kept: Vec<N::Slot>,
+    turnings: Turnings<N, D>,
     answers: Vec<Answers<D>>,
 }
 
@@ -133,6 +143,7 @@ impl<N: Culled, const D: usize> Batch<N, D> {
             places: Vec::new(),
             ends: Vec::new(),
             kept: Vec::new(),
+            turnings: Turnings::default(),
             answers: Vec::new(),
         }
     }
@@ -249,6 +260,9 @@ fn stages<N: Culled, M: Mode, const D: usize>(
             vectorized!(task.level, simd => gradient_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, (batch, announce)));
         });
     }
+    if task.hessian {
+        hessians::<N, D>(task, batch);
+    }
     vectorized!(task.level, simd => answers::<N::Lanes<_>, N, D>(simd, task, batch));
 }
 
@@ -345,8 +359,8 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
         let second = second_pass::<L, K, M, D>(kernel, list, &x, (task.field, &frame), kept);
         unit.second = each(|k| stored::<N, L>(second[k]));
         if task.sensitivity {
-            let sum = sensitivity::<L, K, D>(task.varied, kernel, list, &x, (task.field, &frame), kept);
-            unit.sensitivity = stored::<N, L>(sum);
+            let sums = sensitivity::<L, K, D>(task.varied, kernel, list, &x, (task.field, &frame), kept);
+            unit.sensitivity = sums.map(stored::<N, L>);
         }
     }
     batch.units = units;
@@ -390,10 +404,15 @@ fn answers<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, ba
             put(&mut out.inside, weight);
         }
         if task.sensitivity {
-            put(&mut out.sensitivity, load(unit.sensitivity) / (weight * weight));
+            let [plain, noisy] = unit.sensitivity.map(load);
+            put(&mut out.sensitivity, plain / (weight * weight));
+            put(&mut out.variance, noisy / (weight * weight));
+            for k in 0..D {
+                put(&mut out.turn[k], frame.turn[k]);
+            }
         }
     }
     for (answers, block) in batch.answers.iter_mut().zip(&batch.blocks) {
-        answers.finish::<N>(&block.residual, task.field, task.gradient);
+        answers.finish::<N>(&block.residual, task);
     }
 }

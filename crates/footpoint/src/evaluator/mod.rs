@@ -2,6 +2,7 @@
 
 mod answers;
 mod batch;
+mod own;
 #[cfg(test)]
 mod tests;
 
@@ -13,6 +14,7 @@ pub(crate) use answers::{Answers, Extra, Local};
 pub(crate) use batch::Pass;
 use batch::{Announce, Batch, Task, taken_at};
 use fearless_simd::Level;
+pub(crate) use own::own_sensitivity;
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,6 +27,8 @@ pub(crate) struct Wanted {
     /// Neighbours and effective neighbours.
     pub(crate) statistics: bool,
     pub(crate) eigenvalues: bool,
+    /// ∇²f.
+    pub(crate) hessian: bool,
 }
 
 /// How far positions may move before a group's candidates are gathered anew, and the longest side of the box that they are
@@ -59,6 +63,7 @@ impl<'s, const D: usize> Evaluator<'s, D> {
             sensitivity: wanted.sensitivity,
             statistics: wanted.statistics,
             eigenvalues: wanted.eigenvalues,
+            hessian: wanted.hessian,
         };
         let work = match grid.store {
             Store::Double(_) => Work::Double(Box::new(Batch::new())),
@@ -100,7 +105,13 @@ fn evaluate<N: Culled, const D: usize>(
             return;
         }
         let margin = if task.moved { MARGIN * side } else { 0.0 };
-        batch.candidates.gather(grid, extent.widened(margin), task.weight.reach(), task.varied, task.level);
+        batch.candidates.gather(
+            grid,
+            extent.widened(margin),
+            task.weight.reach(),
+            task.needs_general_columns(),
+            task.level,
+        );
     }
     let mut taken = 0;
     while taken < positions.len() {

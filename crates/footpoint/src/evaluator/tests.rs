@@ -4,6 +4,7 @@ use super::{Evaluator, Extra, Local, Wanted};
 use crate::algebra::{dot, length, scale, sub};
 use crate::cloud::Cloud;
 use crate::definition::Definition;
+use crate::dual::Dual;
 use crate::engine::oracle::{self, Sample};
 use crate::engine::{
     Candidates, Extent, General, List, Mode, Place, Plain, Position, first_pass, second_pass,
@@ -11,7 +12,6 @@ use crate::engine::{
 use crate::field::NormalField;
 use crate::frame::{fit, gradient};
 use crate::grid::Grid;
-use crate::lane::tests::Dual;
 use crate::lane::{Lane, Precision};
 use crate::run::Run;
 use crate::samples::Random;
@@ -84,8 +84,14 @@ fn every_setting(mut each: impl FnMut(Weight, NormalField, bool, bool)) {
     }
 }
 
-const EVERYTHING: Wanted =
-    Wanted { moving: false, gradient: true, sensitivity: true, statistics: true, eigenvalues: true };
+const EVERYTHING: Wanted = Wanted {
+    moving: false,
+    gradient: true,
+    sensitivity: true,
+    statistics: true,
+    eigenvalues: true,
+    hessian: true,
+};
 
 fn locals<const D: usize>(
     evaluator: &mut Evaluator<'_, D>,
@@ -228,12 +234,12 @@ fn dual_lanes_give_the_gradient<const D: usize>() {
             let mut x: [f64; D] = std::array::from_fn(|_| random.uniform() - 0.5);
             x[D - 1] = 0.2 * random.uniform();
             let direction: [f64; D] = std::array::from_fn(|_| random.normal());
-            let dual: [Dual; D] = std::array::from_fn(|k| Dual { value: x[k], slope: direction[k] });
+            let dual: [Dual<f64>; D] = std::array::from_fn(|k| Dual { value: x[k], slope: direction[k] });
             let candidates = gathered(&grid, x, weight);
             let (plain, turning) = with_kernel!(weight, kernel => (
                 through::<f64, General, _, D>(kernel, &candidates, field, x, 0.0),
                 // The gradient itself in dual numbers: its slope is a row of the second derivatives.
-                through::<Dual, General, _, D>(kernel, &candidates, field, dual, dual[0]),
+                through::<Dual<f64>, General, _, D>(kernel, &candidates, field, dual, [0.0; 2]),
             ));
             if plain.gap < 0.1 {
                 continue;
@@ -269,7 +275,7 @@ fn second_derivatives_come_from_the_code_of_the_first() {
         let hessian: [[f64; 3]; 3] = std::array::from_fn(|row| {
             let dual = std::array::from_fn(|k| Dual { value: x[k], slope: f64::from(u8::from(k == row)) });
             with_kernel!(Weight::Poly3, kernel => {
-                through::<Dual, General, _, 3>(kernel, &candidates, field, dual, dual[0]).gradient.map(|g| g.slope)
+                through::<Dual<f64>, General, _, 3>(kernel, &candidates, field, dual, [0.0; 2]).gradient.map(|g| g.slope)
             })
         });
         let size = hessian.iter().flatten().fold(0.0_f64, |m, h| m.max(h.abs()));

@@ -97,8 +97,20 @@ impl<const D: usize> Samples<'_, D> {
                 (self.cloud.points()[i], self.radii.of(self.cloud, i).unwrap_or(0.0), factor, normal)
             };
             let ((pa, ha, fa, na), (pb, hb, fb, nb)) = (content(a), content(b));
-            compare(pa, pb).then(ha.total_cmp(&hb)).then(fa.total_cmp(&fb)).then_with(|| compare(na, nb))
+            compare(pa, pb)
+                .then(ha.total_cmp(&hb))
+                .then(fa.total_cmp(&fb))
+                .then_with(|| compare(na, nb))
+                .then_with(|| self.compare_noise(a.sample as usize, b.sample as usize))
         })
+    }
+
+    fn compare_noise(&self, a: usize, b: usize) -> Ordering {
+        let Some(noise) = self.cloud.noise() else { return Ordering::Equal };
+        (0..noise.columns())
+            .map(|column| noise.entry(a, column).total_cmp(&noise.entry(b, column)))
+            .find(|order| order.is_ne())
+            .unwrap_or(Ordering::Equal)
     }
 
     /// The levels that occur, ascending, with the bounds of their cells.
@@ -178,6 +190,11 @@ impl<const D: usize> Grid<D> {
             let absent_as_zero = |n: [f64; D]| if n[0].is_nan() { 0.0 } else { n[k] };
             cloud.normals().map_or(Vec::new(), |n| run.collect(len, |i| absent_as_zero(n[sample(i)])))
         });
+        let noise = cloud.noise().map_or(Vec::new(), |noise| {
+            let entry =
+                |column: usize| run.collect(len, |i| noise.entry(sample(i), column) * (inverse * inverse));
+            (0..noise.columns()).map(entry).collect()
+        });
         let points = run.collect(len, |i| samples.point(entries[i].sample));
         let original = run.collect(len, |i| entries[i].sample);
 
@@ -210,7 +227,7 @@ impl<const D: usize> Grid<D> {
                 column
             })),
         };
-        Self { unit, store, scales, uniform_scale, factors, normals, original, groups, levels }
+        Self { unit, store, scales, uniform_scale, factors, normals, noise, original, groups, levels }
     }
 }
 

@@ -46,6 +46,8 @@ pub(crate) struct Grid<const D: usize> {
     pub(crate) factors: Vec<f64>,
     /// One column an axis, zero where absent; empty if the cloud has none.
     pub(crate) normals: [Vec<f64>; D],
+    /// Variances or covariances of positions, in squares of `unit`; empty where one figure or none holds for all.
+    pub(crate) noise: Vec<Vec<f64>>,
     /// Which sample of the cloud each one is.
     original: Vec<u32>,
     /// The samples as queries: no second search.
@@ -137,6 +139,15 @@ impl<const D: usize> Grid<D> {
             Store::Double(columns) => Some(std::array::from_fn(|k| columns[k][place])),
             Store::Single(_) => None,
         }
+    }
+
+    /// Where each sample of the cloud stands; none where it does not take part.
+    pub(crate) fn places(&self, cloud: usize) -> Vec<Option<u32>> {
+        let mut places = vec![None; cloud];
+        for (place, &sample) in self.original.iter().enumerate() {
+            places[sample as usize] = Some(place as u32);
+        }
+        places
     }
 
     /// The samples as queries.

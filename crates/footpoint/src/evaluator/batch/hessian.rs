@@ -1,0 +1,156 @@
+//! Second derivatives of f: the code of ∇f once more, in dual numbers, one direction at a time (SPEC § 4).
+
+use super::{Batch, Of, Task, place};
+use crate::algebra::each;
+use crate::dual::Dual;
+use crate::engine::{Culled, Frame, FrameSums, General, Place, first_pass, second_pass};
+use crate::frame::{fit, gradient};
+use crate::lane::{Lane, Number, vectorized_narrow};
+use crate::weight::{Kernel, with_kernel};
+
+/// A dual number in every lane.
+type Pair<N> = [<N as Number>::Slot; 2];
+
+/// What the stages leave for each other, for one vector's share of a block.
+#[derive(Debug)]
+pub(super) struct Turning<N: Number, const D: usize> {
+    block: usize,
+    lane: usize,
+    sums: FrameSums<Pair<N>, D>,
+    frame: Frame<Pair<N>, D>,
+    second: [Pair<N>; D],
+}
+
+/// Scratch for one direction.
+#[derive(Debug)]
+pub(super) struct Turnings<N: Number, const D: usize> {
+    units: Vec<Turning<N, D>>,
+    /// Closeness of every candidate to every position, unit by unit.
+    kept: Vec<Pair<N>>,
+}
+
+impl<N: Number, const D: usize> Default for Turnings<N, D> {
+    fn default() -> Self {
+        Self { units: Vec::new(), kept: Vec::new() }
+    }
+}
+
+/// Fills the answers' second derivatives. Of the kernels only AVX2's and the baseline's are compiled: those of AVX-512 would give
+/// the same bits, and the code is long.
+pub(super) fn hessians<N: Culled, const D: usize>(task: &Task, batch: &mut Batch<N, D>) {
+    let mut turnings = std::mem::take(&mut batch.turnings);
+    for along in 0..D {
+        with_kernel!(task.weight, kernel => {
+            vectorized_narrow!(task.level, simd => {
+                value_sums::<N::Lanes<_>, N, _, D>((simd, kernel, task), along, batch, &mut turnings);
+            });
+        });
+        vectorized_narrow!(task.level, simd => frames::<N::Lanes<_>, N, D>(simd, task, &mut turnings));
+        with_kernel!(task.weight, kernel => {
+            vectorized_narrow!(task.level, simd => {
+                gradient_sums::<N::Lanes<_>, N, _, D>((simd, kernel, task), along, batch, &mut turnings);
+            });
+        });
+        vectorized_narrow!(task.level, simd => {
+            rows::<N::Lanes<_>, N, D>((simd, task), along, batch, &turnings);
+        });
+    }
+    batch.turnings = turnings;
+}
+
+#[inline(always)]
+fn stored<N: Number, L: Of<N>>(dual: Dual<L>) -> Pair<N> {
+    let mut pair = [N::ZERO_SLOT; 2];
+    dual.store(&mut pair);
+    pair
+}
+
+/// A position on its way along an axis.
+#[inline(always)]
+fn moving<L: Lane, const D: usize>(x: &Place<L, D>, along: usize) -> Place<Dual<L>, D> {
+    let slope = |k: usize| x.offset[k].like(if k == along { 1.0 } else { 0.0 });
+    Place {
+        anchor: each(|k| Dual::constant(x.anchor[k])),
+        offset: each(|k| Dual { value: x.offset[k], slope: slope(k) }),
+    }
+}
+
+#[inline(always)]
+fn value_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
+    (token, kernel, task): (L::Token, K, &Task),
+    along: usize,
+    batch: &Batch<N, D>,
+    turnings: &mut Turnings<N, D>,
+) {
+    turnings.units.clear();
+    let parts = N::BLOCK / L::WIDTH;
+    let room = batch.ends.last().map_or(0, |end| end * parts);
+    if turnings.kept.len() < room {
+        turnings.kept.resize(room, [N::ZERO_SLOT; 2]);
+    }
+    let mut rest = turnings.kept.as_mut_slice();
+    for (b, block) in batch.blocks.iter().enumerate() {
+        let list = batch.list(b);
+        for part in 0..parts {
+            let lane = part * L::WIDTH;
+            let (own, after) = rest.split_at_mut(list.places.len());
+            rest = after;
+            let x = moving(&place::<N, L, D>(token, block, lane), along);
+            let sums = first_pass::<Dual<L>, K, General, D>(kernel, list, &x, task.field, own);
+            let nothing = [[N::ZERO_SLOT; 2]; D];
+            turnings.units.push(Turning {
+                block: b,
+                lane,
+                sums: sums.map(stored::<N, L>),
+                frame: Frame { normal: nothing, aside: nothing, turn: nothing },
+                second: nothing,
+            });
+        }
+    }
+}
+
+#[inline(always)]
+fn frames<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, turnings: &mut Turnings<N, D>) {
+    for unit in &mut turnings.units {
+        let sums = unit.sums.map(|pair| Dual::<L>::load(token, &pair));
+        unit.frame = fit(task.field, &sums).frame.map(stored::<N, L>);
+    }
+}
+
+#[inline(always)]
+fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
+    (token, kernel, task): (L::Token, K, &Task),
+    along: usize,
+    batch: &Batch<N, D>,
+    turnings: &mut Turnings<N, D>,
+) {
+    let mut begin = 0;
+    for unit in &mut turnings.units {
+        let list = batch.list(unit.block);
+        let kept = &turnings.kept[begin..begin + list.places.len()];
+        begin += list.places.len();
+        let x = moving(&place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane), along);
+        let frame = unit.frame.map(|pair| Dual::<L>::load(token, &pair));
+        let second = second_pass::<Dual<L>, K, General, D>(kernel, list, &x, (task.field, &frame), kept);
+        unit.second = each(|k| stored::<N, L>(second[k]));
+    }
+}
+
+/// How ∇f changes along the axis.
+#[inline(always)]
+fn rows<L: Of<N>, N: Culled, const D: usize>(
+    (token, task): (L::Token, &Task),
+    along: usize,
+    batch: &mut Batch<N, D>,
+    turnings: &Turnings<N, D>,
+) {
+    let load = |pair: Pair<N>| Dual::<L>::load(token, &pair);
+    for unit in &turnings.units {
+        let second = each(|k| load(unit.second[k]));
+        let gradient = gradient(task.field, &unit.frame.map(load), load(unit.sums.weight), second);
+        let row = &mut batch.answers[unit.block].hessian[along];
+        for k in 0..D {
+            gradient[k].slope.write(&mut row[k][unit.lane..unit.lane + L::WIDTH]);
+        }
+    }
+}
