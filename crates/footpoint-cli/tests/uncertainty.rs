@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, bits, csv_of, sphere_csv};
+use common::{Folder, bits, csv_of};
 use footpoint::samples::{self, Random};
 use footpoint::{Cloud, Definition, Noise, Queries, Support, Surface, Uncertainty, Want};
 
@@ -17,7 +17,8 @@ fn noisy_sphere(folder: &Folder) -> Vec<[f64; 3]> {
 #[test]
 fn curvatures_have_names_and_the_librarys_bits() {
     let folder = Folder::new();
-    folder.write("cloud.csv", sphere_csv(2000));
+    let sphere = samples::sphere(1.0, 2000, 1).points;
+    folder.write("cloud.csv", csv_of("x,y,z", sphere.iter().map(|p| p.to_vec())));
     folder.done("normals cloud.csv -o n.csv --curvature --radius 0.3");
     folder.done(
         "evaluate cloud.csv --at cloud.csv -o e.csv --with curvature,hessian,eccentricity --radius 0.3",

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{add, dot, in_cube, length, median, scale, shared, sub};
+use common::{add, dot, in_cube, length, median, rows_of_text, scale, shared, sub};
 use footpoint::samples::{self, Random, Samples};
 use footpoint::{Cloud, Definition, NormalField, Operator, Project, Queries, Sign, Support, Surface, Want};
 use std::f64::consts::TAU;
@@ -115,10 +115,12 @@ fn axes_do_not_feel_the_signs_of_the_normals() {
 #[test]
 fn a_real_file_with_unsigned_normals() {
     let Some(file) = shared("data").map(|f| f.join("cloud/cgal_fin90_with_PCA_normals.xyz")) else { return };
-    let table = footpoint_io::read(&file).unwrap().table;
-    let roles = footpoint_io::roles::Roles::find(&table).unwrap();
-    let points: Vec<[f64; 3]> = roles.points(&table).unwrap();
-    let cloud = || Cloud::new(points.clone()).with_normals(roles.normals(&table).unwrap()).unwrap();
+    let rows = rows_of_text(&std::fs::read_to_string(file).unwrap(), usize::MAX);
+    let part = |from: usize| -> Vec<[f64; 3]> {
+        rows.iter().map(|row| std::array::from_fn(|k| row[from + k])).collect()
+    };
+    let (points, normals) = (part(0), part(3));
+    let cloud = || Cloud::new(points.clone()).with_normals(normals.clone()).unwrap();
     let of = |field| Surface::new(cloud(), Definition::new().with_field(field)).unwrap();
     let (axes, centred) = (of(NormalField::AveragedAxes), of(NormalField::CentredCovariance));
     let found = axes.project(Queries::Samples, &Project::new());

@@ -287,3 +287,10 @@ pub(crate) fn same_rows(found: &[Row], expected: &[Row], what: &str) {
         assert!(f == e, "{what}: row {i} differs: {:?}", unlike.collect::<Vec<_>>());
     }
 }
+
+/// Rows of numbers after the header of a text file; the points' share of an ASCII PLY.
+pub(crate) fn rows_of_text(text: &str, most: usize) -> Vec<Vec<f64>> {
+    let body = text.split_once("end_header\n").map_or(text, |(_, body)| body);
+    let numbers = |line: &str| line.split_whitespace().map(|word| word.parse().unwrap()).collect();
+    body.lines().take(most).map(numbers).collect()
+}
