@@ -4,9 +4,9 @@
 
 mod common;
 
-use common::{add, in_cube, length, median, near_samples, scale, shuffled, sub};
+use common::{add, first_order, in_cube, length, median, near_samples, scale, shuffled, sub};
 use footpoint::samples::{self, Random};
-use footpoint::{Cloud, Definition, Evaluations, Precision, Project, Run, Status, Support, Surface, Want};
+use footpoint::{Cloud, Definition, Evaluations, Precision, Project, Run, Status, Support, Surface};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use std::f64::consts::TAU;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
@@ -61,7 +61,7 @@ fn per_sample(points: &[Point], supports: &[f64]) -> Surface<3> {
 }
 
 fn evaluate(surface: &Surface<3>, queries: &[Point]) -> Evaluations<3> {
-    surface.with(&one_thread()).evaluate(queries, Want::ALL).unwrap()
+    surface.with(&one_thread()).evaluate(queries, first_order()).unwrap()
 }
 
 /// The same quantities by a sum over all samples.
@@ -194,7 +194,7 @@ fn times(surface: &Surface<3>, queries: &[Point]) -> [f64; 2] {
     let run = one_thread();
     let running = surface.with(&run);
     [
-        seconds(|| drop(running.evaluate(queries, Want::ALL))),
+        seconds(|| drop(running.evaluate(queries, first_order()))),
         seconds(|| drop(running.project(queries, &Project::new()))),
     ]
 }

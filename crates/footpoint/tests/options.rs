@@ -5,7 +5,7 @@ mod common;
 use common::{Columns, FIELDS, OPERATORS, Variant, WEIGHTS, length, near_samples, sub};
 use footpoint::samples;
 use footpoint::{
-    Acceptance, Cancelled, Cloud, Definition, Error, Evaluations, Instructions, NormalField, Operator,
+    Acceptance, Cancelled, Cloud, Definition, Error, Evaluations, Instructions, Noise, NormalField, Operator,
     Precision, Project, Queries, Run, Status, Support, Surface, Want, Weight,
 };
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -228,7 +228,7 @@ fn a_tighter_tolerance_costs_evaluations_and_leaves_less() {
 }
 
 /// The lengths of all columns.
-fn lengths(e: &Evaluations<3>) -> [usize; 12] {
+fn lengths(e: &Evaluations<3>) -> [usize; 16] {
     [
         e.value.len(),
         e.average.len(),
@@ -242,16 +242,21 @@ fn lengths(e: &Evaluations<3>) -> [usize; 12] {
         e.eigenvalues.len(),
         e.squared_sensitivity.len(),
         e.support.len(),
+        e.eccentricity.len(),
+        e.hessian.len(),
+        e.curvature.directions.len(),
+        e.sigma.len(),
     ]
 }
 
 #[test]
 fn columns_that_are_not_wanted_are_empty_and_the_others_do_not_change() {
     let columns = torus(Variant::PerSampleAndFactors);
-    let surface = columns.surface(Definition::new());
+    let cloud = columns.cloud().with_noise(Noise::Uniform(0.01)).unwrap();
+    let surface = Surface::new(cloud, Definition::new().with_support(columns.support())).unwrap();
     let at = starts(&columns);
     let all = surface.evaluate(&at, Want::ALL);
-    assert_eq!(lengths(&all), [at.len(); 12]);
+    assert_eq!(lengths(&all), [at.len(); 16]);
     let each = [
         Want::VALUE,
         Want::AVERAGE,
@@ -265,10 +270,14 @@ fn columns_that_are_not_wanted_are_empty_and_the_others_do_not_change() {
         Want::EIGENVALUES,
         Want::SQUARED_SENSITIVITY,
         Want::SUPPORT,
+        Want::ECCENTRICITY,
+        Want::HESSIAN,
+        Want::CURVATURE,
+        Want::SIGMA,
     ];
     for (k, want) in each.into_iter().enumerate() {
         let e = surface.evaluate(&at, want);
-        let expected: [usize; 12] = std::array::from_fn(|j| if j == k { at.len() } else { 0 });
+        let expected: [usize; 16] = std::array::from_fn(|j| if j == k { at.len() } else { 0 });
         assert_eq!(lengths(&e), expected);
         let rest = each.into_iter().filter(|w| *w != want).reduce(|a, b| a | b).unwrap();
         assert!(Want::ALL.contains(want) && !rest.contains(want) && rest | want == Want::ALL);
@@ -278,7 +287,10 @@ fn columns_that_are_not_wanted_are_empty_and_the_others_do_not_change() {
             ($($column:ident)*) => { $(if joined.$column.is_empty() { joined.$column = e.$column; })* };
         }
         take!(value average frame_normal gradient surface_normal gap neighbours effective_neighbours weight_sum
-              eigenvalues squared_sensitivity support);
+              eigenvalues squared_sensitivity support eccentricity hessian sigma);
+        if joined.curvature.mean.is_empty() {
+            joined.curvature = e.curvature;
+        }
         assert!(joined == all, "column {k}");
     }
 }

@@ -3,10 +3,12 @@
 
 mod common;
 
-use common::{Columns, FIELDS, Variant, add, in_cube, length, near_samples, scale, shuffled, sub};
+use common::{
+    Columns, FIELDS, Variant, add, first_order, in_cube, length, near_samples, scale, shuffled, sub,
+};
 use footpoint::samples::{self, Random, Samples};
 use footpoint::{
-    Definition, Evaluations, Instructions, Precision, Project, Projections, Queries, Run, Surface, Want,
+    Definition, Evaluations, Instructions, Precision, Project, Projections, Queries, Run, Surface,
 };
 use std::time::Instant;
 
@@ -54,6 +56,7 @@ fn evaluation_columns<const D: usize>(e: &Evaluations<D>) -> Vec<Column> {
         vectors("eigenvalues", &e.eigenvalues),
         scalars("squared sensitivity", &e.squared_sensitivity),
         scalars("support", &e.support),
+        scalars("eccentricity", &e.eccentricity),
         Column { name: "neighbours", width: 1, bits: e.neighbours.iter().map(|&n| n.into()).collect() },
     ]
 }
@@ -80,7 +83,7 @@ fn answers<'q, const D: usize>(
 ) -> Vec<Column> {
     let queries = queries.into();
     let running = surface.with(&run);
-    let mut columns = evaluation_columns(&running.evaluate(queries, Want::ALL).unwrap());
+    let mut columns = evaluation_columns(&running.evaluate(queries, first_order()).unwrap());
     columns.extend(projection_columns(&running.project(queries, &Project::new()).unwrap()));
     columns
 }
@@ -381,9 +384,9 @@ fn a_query_far_off_in_its_group() {
         let surface = columns.surface(Definition::new().with_precision(precision));
         for &x in &queries {
             let one = Run::new().threads(1);
-            let alone = evaluation_columns(&surface.with(&one).evaluate(&[x], Want::ALL).unwrap());
+            let alone = evaluation_columns(&surface.with(&one).evaluate(&[x], first_order()).unwrap());
             let pair = [x, [x[0] + 8.75, x[1]]];
-            let both = evaluation_columns(&surface.with(&one).evaluate(&pair, Want::ALL).unwrap());
+            let both = evaluation_columns(&surface.with(&one).evaluate(&pair, first_order()).unwrap());
             let first: Vec<Column> = both.iter().map(|c| Column { bits: c.row(0).to_vec(), ..*c }).collect();
             unlike.note(&all(&first), &all(&alone), &[0], &format!("{precision:?} {x:?} beside another"));
         }

@@ -5,7 +5,7 @@
 
 use footpoint::samples::{Random, Samples};
 use footpoint::{
-    Cloud, Definition, Evaluations, NormalField, Operator, Projections, Support, Surface, Weight,
+    Cloud, Definition, Evaluations, NormalField, Operator, Projections, Support, Surface, Want, Weight,
 };
 use serde_json::Value;
 use std::path::PathBuf;
@@ -228,6 +228,26 @@ pub(crate) fn even_circle(count: usize) -> Samples<2> {
     Samples { normals: points.clone(), points }
 }
 
+/// Every column but the second derivatives, which cost seven times the others.
+pub(crate) fn first_order() -> Want {
+    [
+        Want::VALUE,
+        Want::AVERAGE,
+        Want::FRAME_NORMAL,
+        Want::GRADIENT,
+        Want::SURFACE_NORMAL,
+        Want::GAP,
+        Want::NEIGHBOURS,
+        Want::EFFECTIVE_NEIGHBOURS,
+        Want::WEIGHT_SUM,
+        Want::EIGENVALUES,
+        Want::SQUARED_SENSITIVITY,
+        Want::SUPPORT,
+    ]
+    .into_iter()
+    .fold(Want::ECCENTRICITY, |all, one| all | one)
+}
+
 /// A row of named numbers by their bits, so that NaN equals NaN and a difference says where it is.
 pub(crate) type Row = Vec<(&'static str, u64)>;
 
@@ -248,6 +268,14 @@ pub(crate) fn evaluation_rows<const D: usize>(e: &Evaluations<D>) -> Vec<Row> {
             vector("squared sensitivity", &e.squared_sensitivity[i..=i]);
             vector("support", &e.support[i..=i]);
             row.push(("neighbours", u64::from(e.neighbours[i])));
+            let mut vector = |name, v: &[f64]| row.extend(v.iter().map(|c| (name, c.to_bits())));
+            vector("eccentricity", &e.eccentricity[i..=i]);
+            vector("second derivatives", e.hessian[i].as_flattened());
+            vector("mean curvature", &e.curvature.mean[i..=i]);
+            vector("Gaussian curvature", &e.curvature.gaussian[i..=i]);
+            vector("principal curvatures", &e.curvature.principal[i]);
+            vector("principal directions", e.curvature.directions[i].as_flattened());
+            vector("sigma", &e.sigma[i..=i]);
             row
         })
         .collect()
