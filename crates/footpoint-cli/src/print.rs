@@ -86,6 +86,24 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         write!(out, "moved by {rms} rms, {median} median, {largest} at most")?;
         writeln!(out, "; {:.1} evaluations a point", moved.mean_evaluations)?;
     }
+    if let Some(found) = &report.orientation {
+        writeln!(
+            out,
+            "{} oriented, {} of them reversed, {} doubtful",
+            found.oriented, found.reversed, found.doubtful
+        )?;
+        if found.components > 0 {
+            let largest = found.largest.first().map_or(0, |component| component.samples);
+            writeln!(out, "  {} components, the largest of {largest} samples", found.components)?;
+        }
+        if found.non_orientable > 0 {
+            writeln!(
+                out,
+                "  {} not orientable: signs cannot agree there (--force-orientation leaves a seam)",
+                found.non_orientable
+            )?;
+        }
+    }
     if let Some(demo) = &report.demo {
         let (before, after) = (1e3 * demo.rms_before_metres, 1e3 * demo.rms_after_metres);
         writeln!(out, "distance from the true surface, rms: {before:.4} mm before, {after:.4} mm after")?;
