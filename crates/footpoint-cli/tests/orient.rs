@@ -33,7 +33,9 @@ fn wrong(folder: &Folder, file: &str, truth: &[[f64; 3]]) -> usize {
 #[test]
 fn every_rule_finds_the_outside() {
     let (folder, shape) = folder();
-    for rule in ["", "--normal given", "--sensor-columns sx,sy,sz", "--trajectory track.csv --time-column clock"] {
+    for rule in
+        ["", "--normal given", "--sensor-columns sx,sy,sz", "--trajectory track.csv --time-column clock"]
+    {
         for output in ["o.csv", "o.ply"] {
             let report = folder.report(&format!("orient cloud.csv -o {output} --force {rule}"));
             assert_eq!(wrong(&folder, output, &shape.normals), 0, "{rule}");
@@ -63,9 +65,8 @@ fn oriented_samples_give_averaged_normals_and_signed_distances() {
     for output in ["o.csv", "o.ply"] {
         folder.done(&format!("orient bare.csv -o {output}"));
         for field in ["averaged", "centred"] {
-            let report = folder.report(&format!(
-                "project queries.csv --onto {output} -o feet.csv --field {field} --force"
-            ));
+            let report = folder
+                .report(&format!("project queries.csv --onto {output} -o feet.csv --field {field} --force"));
             assert_eq!(report["surface"]["sign"], "given");
             let distance = numbers_of(&folder.table("feet.csv"), "distance");
             for (found, expected) in distance.iter().zip([0.05, -0.05, 0.05, -0.05]) {
@@ -86,7 +87,10 @@ fn a_moebius_strip_is_left_alone_unless_forced() {
     let strip = moebius(1.0, 0.35, 8000, 1);
     folder.write("strip.csv", csv_of("x,y,z", strip.points.iter().map(|p| p.to_vec())));
     let left = folder.report("orient strip.csv -o left.csv");
-    assert_eq!((&left["orientation"]["oriented"], &left["orientation"]["non_orientable"]), (&0.into(), &1.into()));
+    assert_eq!(
+        (&left["orientation"]["oriented"], &left["orientation"]["non_orientable"]),
+        (&0.into(), &1.into())
+    );
     assert_eq!(left["orientation"]["largest"][0]["verdict"], "non_orientable");
     assert!(numbers_of(&folder.table("left.csv"), "nx").iter().all(|c| c.is_nan()));
     let said = folder.done("orient strip.csv -o said.csv").stderr;

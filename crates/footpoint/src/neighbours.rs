@@ -69,7 +69,8 @@ impl<'s, const D: usize> Neighbours<'s, D> {
                 let sample = self.at(place);
                 // Differences are rounded alike here and in `way_to`; the rest is for its squares.
                 let reach = sample.reach * (1.0 + 1e-12);
-                let meets = |k: usize| low[k] - sample.point[k] <= reach && sample.point[k] - high[k] <= reach;
+                let meets =
+                    |k: usize| low[k] - sample.point[k] <= reach && sample.point[k] - high[k] <= reach;
                 if (0..D).all(meets) {
                     found.push(sample);
                 }

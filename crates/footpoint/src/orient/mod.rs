@@ -70,8 +70,8 @@ pub enum Verdict {
     /// They can, up to contradictions that noise explains.
     #[default]
     Orientable,
-    /// They cannot, as on a Möbius strip: somewhere a path of reliable edges comes back with the other sign, and not only
-    /// within four neighbourhood radii.
+    /// They cannot, as on a Möbius strip: a path of reliable edges (those that are not doubtful) comes back with the other
+    /// sign, and none that stays within four supports of the contradiction does.
     NonOrientable,
 }
 
@@ -83,7 +83,8 @@ pub struct Component {
     pub samples: usize,
     /// How many of their normals were reversed.
     pub reversed: usize,
-    /// Doubtful edges of its tree: normals 60 degrees or more apart, or one sample far above the other's tangent plane.
+    /// Doubtful edges of its tree: between normals 60 degrees or more apart, or samples of which one lies more than half a
+    /// support above the other's tangent plane.
     pub doubtful_edges: usize,
     /// Reliable edges that contradict the signs found.
     pub odd_edges: usize,
@@ -154,8 +155,9 @@ const WIDEST_REACH: f64 = 2.0;
 impl<const D: usize> Surface<D> {
     /// Gives the normals at the samples signs that agree.
     ///
-    /// Propagation takes time near-linear in the samples, and some 40 bytes a sample beside the result (D = 3). Sheets further
-    /// apart than half a support keep signs of their own. Fails where columns do not fit or a direction makes no sense.
+    /// Propagation takes time near-linear in the samples, and some 30 bytes a sample beside the result (D = 3); of what it
+    /// finds the bits are the same for any number of threads and any order of the samples. A strip whose whole loop lies
+    /// within four supports is too small for a verdict. Fails where columns do not fit or a direction makes no sense.
     pub fn orient(&self, normals: NormalSource, how: &Orient<'_, D>) -> Result<Orientation<D>, OrientError> {
         self.with(&Run::new()).orient(normals, how)
     }

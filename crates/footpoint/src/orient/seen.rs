@@ -10,9 +10,8 @@ const GRAZING: f64 = 0.1;
 /// Fails where columns do not fit or a direction makes no sense.
 pub(super) fn check<const D: usize>(how: &Orient<'_, D>, expected: usize) -> Result<(), OrientError> {
     let finite = |v: &[f64]| v.iter().all(|c| c.is_finite());
-    let fits = |column, found| match found == expected {
-        true => Ok(()),
-        false => Err(OrientError::Length { column, expected, found }),
+    let fits = |column, found| {
+        if found == expected { Ok(()) } else { Err(OrientError::Length { column, expected, found }) }
     };
     match how {
         Orient::Towards(point) if !finite(point) => Err(OrientError::NotFinite("viewpoint")),
@@ -33,7 +32,7 @@ pub(super) fn check<const D: usize>(how: &Orient<'_, D>, expected: usize) -> Res
     }
 }
 
-/// Reverses the normals that point away from where their sample was seen; `None` if the rule names no such place.
+/// Reverses the normals that point away from where their sample was seen. Where that is unknown there is no sign.
 pub(super) fn face<const D: usize>(how: &Orient<'_, D>, points: &[[f64; D]], found: &mut Orientation<D>) {
     for (i, normal) in found.normal.iter_mut().enumerate() {
         if normal[0].is_nan() {
