@@ -5,7 +5,7 @@ use crate::grid::{Grid, snapped};
 use crate::run::{Cancelled, Run};
 
 /// Samples whose neighbours are gathered together: they lie close to each other.
-const TOGETHER: usize = 32;
+const TOGETHER: usize = 16;
 
 /// The relation *near* between samples, named by their places in the canonical order: no further apart than the smaller of
 /// their reaches, each a share of the sample's support.

@@ -57,7 +57,6 @@ impl Components {
         let mut explained = vec![false; if odd.iter().any(|&o| o > 0) { odd.len() } else { 0 }];
         for (place, &odd) in odd.iter().enumerate().filter(|(_, odd)| **odd > 0) {
             let component = &mut self.all[self.number[place] as usize];
-            // Halves, because both ends count.
             component.odd_edges += odd as usize;
             if component.verdict == Verdict::NonOrientable || explained[place] {
                 continue;
@@ -70,7 +69,6 @@ impl Components {
                 component.verdict = Verdict::NonOrientable;
             }
         }
-        self.all.iter_mut().for_each(|component| component.odd_edges /= 2);
         Ok(())
     }
 

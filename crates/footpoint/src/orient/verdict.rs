@@ -10,7 +10,7 @@ use crate::run::{Cancelled, Run};
 /// found within it goes around something.
 const LOCAL: f64 = 4.0;
 
-/// At every place the number of its odd edges: reliable ones whose ends have other signs than the edge says.
+/// At every place the number of its odd edges to later ones: reliable edges whose ends have other signs than the edge says.
 pub(super) fn odd_edges<const D: usize>(
     near: &Neighbours<'_, D>,
     normals: &[[f32; D]],
@@ -27,7 +27,8 @@ pub(super) fn odd_edges<const D: usize>(
                 edge.is_reliable() && edge.opposed != (opposed ^ sets.is_opposed(other.place))
             })
         };
-        counts.put(member.place, others.iter().filter(is_odd).count() as u32);
+        let later = others.iter().filter(|other| other.place > member.place);
+        counts.put(member.place, later.filter(is_odd).count() as u32);
     })?;
     Ok(odd)
 }
