@@ -12,7 +12,7 @@ fn folder() -> (Folder, Samples<3>) {
         let (p, n) = (shape.points[i], shape.normals[i]);
         // A sensor outside, at a time that tells where it was: it goes once around the tube of each sample.
         let sensor: [f64; 3] = std::array::from_fn(|k| p[k] + 0.2 * n[k]);
-        let turned = if i % 3 == 0 { n.map(|c| -c) } else { n };
+        let turned = if i.is_multiple_of(3) { n.map(|c| -c) } else { n };
         [&p[..], &turned, &sensor, &[i as f64]].concat()
     };
     let rows: Vec<_> = (0..shape.points.len()).map(row).collect();
