@@ -77,7 +77,8 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             report.statuses.iter().map(|c| format!("{} {}", c.points, c.status)).collect();
         writeln!(out, "{}: {}", report.job, counts.join(", "))?;
         let degenerate = report.statuses.iter().find(|c| c.status == Status::Degenerate.name());
-        if degenerate.is_some_and(|c| c.points as f64 > MANY * report.points as f64) {
+        let unsigned = report.orientation.as_ref().is_some_and(|found| found.non_orientable > 0);
+        if !unsigned && degenerate.is_some_and(|c| c.points as f64 > MANY * report.points as f64) {
             writeln!(out, "  {HINT}")?;
         }
     }
@@ -99,7 +100,8 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         if found.non_orientable > 0 {
             writeln!(
                 out,
-                "  {} not orientable: signs cannot agree there (--force-orientation leaves a seam)",
+                "  {} not orientable: signs cannot agree there (a smaller support keeps near sheets apart; \
+                 --force-orientation leaves a seam)",
                 found.non_orientable
             )?;
         }

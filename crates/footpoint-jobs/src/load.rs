@@ -103,7 +103,9 @@ impl Loaded {
         let wrong = |problem| JobError::Noise { path: self.path.clone(), problem };
         match &recipe.noise {
             Some(NoiseSource::Uniform(sigma)) => cloud.with_noise(Noise::Uniform(*sigma)).map_err(wrong),
-            Some(NoiseSource::Column(name)) => cloud.with_noise(Noise::Each(self.column(name)?)).map_err(wrong),
+            Some(NoiseSource::Column(name)) => {
+                cloud.with_noise(Noise::Each(self.column(name)?)).map_err(wrong)
+            }
             Some(NoiseSource::Estimated) | None => Ok(cloud),
         }
     }
