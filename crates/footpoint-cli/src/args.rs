@@ -4,8 +4,8 @@ use crate::print::Verbosity;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use footpoint_jobs::scan::ScanPlan;
 use footpoint_jobs::{
-    Bending, DemoPlan, Extra, NoiseSource, NormalChoice, NormalField, Operator, Overwrite, Precision, Recipe,
-    Support, Weight, recipe_of,
+    Bending, DemoPlan, Extra, NoiseSource, NonOrientable, NormalChoice, NormalField, NormalSource, Operator,
+    OrientBy, OrientPlan, Overwrite, Precision, Recipe, Support, Weight, recipe_of,
 };
 use std::path::PathBuf;
 
@@ -34,6 +34,8 @@ pub(crate) enum Verb {
     Evaluate(EvaluateArguments),
     /// Give every sample its normal
     Normals(NormalsArguments),
+    /// Give every sample its normal, with signs that agree
+    Orient(OrientArguments),
     /// Take points to the surface
     Project(ProjectArguments),
 }
@@ -45,6 +47,7 @@ impl Verb {
             Self::Info(a) => &a.common,
             Self::Evaluate(a) => &a.common,
             Self::Normals(a) => &a.common,
+            Self::Orient(a) => &a.common,
             Self::Project(a) => &a.common,
         }
     }
@@ -192,6 +195,66 @@ enum NormalName {
     Frame,
     /// Both of them
     Both,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct OrientArguments {
+    /// The cloud
+    pub(crate) input: PathBuf,
+    /// File to write: every sample with its oriented normal nx ny nz, all columns kept
+    #[arg(short, long)]
+    pub(crate) output: PathBuf,
+    /// Which normals get signs
+    #[arg(long, value_enum, default_value = "surface")]
+    normal: SourceName,
+    /// Normals face this point [default: signs go from neighbour to neighbour, each component faces outward]
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', group = "how", allow_hyphen_values = true)]
+    towards: Option<Vec<f64>>,
+    /// Normals have a positive component along this axis
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', group = "how", allow_hyphen_values = true)]
+    along: Option<Vec<f64>>,
+    /// Normals face the sensor, whose position at each sample is in these columns
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', group = "how")]
+    sensor_columns: Option<Vec<String>>,
+    /// Normals face the sensor, which moves along the points of this file
+    #[arg(long, value_name = "FILE", group = "how")]
+    trajectory: Option<PathBuf>,
+    /// Column of times in the cloud and in the trajectory
+    #[arg(long, value_name = "NAME", default_value = "time", requires = "trajectory")]
+    time_column: String,
+    /// Orient surfaces without sides too, such as a Möbius strip: a seam remains
+    #[arg(long, conflicts_with = "how")]
+    force_orientation: bool,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl OrientArguments {
+    pub(crate) fn plan(&self) -> OrientPlan {
+        let normals = match self.normal {
+            SourceName::Surface => NormalSource::Surface,
+            SourceName::Given => NormalSource::Given,
+        };
+        let by = match (&self.towards, &self.along, &self.sensor_columns, &self.trajectory) {
+            (Some(point), ..) => OrientBy::Towards(point.clone()),
+            (_, Some(axis), ..) => OrientBy::Along(axis.clone()),
+            (_, _, Some(names), _) => OrientBy::SensorColumns(names.clone()),
+            (_, _, _, Some(path)) => {
+                OrientBy::Trajectory { path: path.clone(), time_column: self.time_column.clone() }
+            }
+            _ if self.force_orientation => OrientBy::Propagated(NonOrientable::Force),
+            _ => OrientBy::Propagated(NonOrientable::Leave),
+        };
+        OrientPlan { normals, by }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SourceName {
+    /// Exact normals of the surface, from the gradient of f
+    Surface,
+    /// The file's own normals, whose signs count for nothing
+    Given,
 }
 
 #[derive(Debug, Args)]

@@ -57,6 +57,7 @@ fn work(verb: &Verb, mut context: Context<'_>) -> Result<Report, JobError> {
         Verb::Info(a) => jobs::info(&a.input, &context),
         Verb::Evaluate(a) => jobs::evaluate(&a.cloud, &a.at, &a.output, &a.extra(), &context),
         Verb::Normals(a) => jobs::normals(&a.input, &a.output, (a.choice(), a.bending()), &context),
+        Verb::Orient(a) => jobs::orient(&a.input, &a.output, &a.plan(), &context),
         Verb::Project(a) => {
             a.adjust(&mut context.recipe);
             jobs::project(&a.input, a.onto.as_deref(), &a.output, &context)

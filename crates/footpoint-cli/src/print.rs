@@ -77,7 +77,8 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             report.statuses.iter().map(|c| format!("{} {}", c.points, c.status)).collect();
         writeln!(out, "{}: {}", report.job, counts.join(", "))?;
         let degenerate = report.statuses.iter().find(|c| c.status == Status::Degenerate.name());
-        if degenerate.is_some_and(|c| c.points as f64 > MANY * report.points as f64) {
+        let unsigned = report.orientation.as_ref().is_some_and(|found| found.non_orientable > 0);
+        if !unsigned && degenerate.is_some_and(|c| c.points as f64 > MANY * report.points as f64) {
             writeln!(out, "  {HINT}")?;
         }
     }
@@ -85,6 +86,25 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         let (rms, median, largest) = (short(moved.rms), short(moved.median), short(moved.largest));
         write!(out, "moved by {rms} rms, {median} median, {largest} at most")?;
         writeln!(out, "; {:.1} evaluations a point", moved.mean_evaluations)?;
+    }
+    if let Some(found) = &report.orientation {
+        writeln!(
+            out,
+            "{} oriented, {} of them reversed, {} doubtful",
+            found.oriented, found.reversed, found.doubtful
+        )?;
+        if found.components > 0 {
+            let largest = found.largest.first().map_or(0, |component| component.samples);
+            writeln!(out, "  {} components, the largest of {largest} samples", found.components)?;
+        }
+        if found.non_orientable > 0 {
+            writeln!(
+                out,
+                "  {} not orientable: signs cannot agree there (a smaller support keeps near sheets apart; \
+                 --force-orientation leaves a seam)",
+                found.non_orientable
+            )?;
+        }
     }
     if let Some(demo) = &report.demo {
         let (before, after) = (1e3 * demo.rms_before_metres, 1e3 * demo.rms_after_metres);

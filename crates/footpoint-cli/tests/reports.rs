@@ -25,6 +25,7 @@ fn every_job_reports_what_it_did() {
     for (job, words, points, files) in [
         ("info", "info cloud.csv", 800, 0),
         ("normals", "normals cloud.csv -o n.ply", 800, 1),
+        ("orient", "orient cloud.csv -o o.ply", 800, 1),
         ("project", "project queries.csv --onto cloud.csv -o p.ply", 91, 1),
         ("evaluate", "evaluate cloud.csv --at queries.csv -o e.csv", 91, 1),
         ("demo", "demo --rays 400 -o demo", 618, 3),

@@ -12,6 +12,7 @@ mod evaluate;
 mod info;
 mod load;
 mod normals;
+mod orient;
 mod output;
 mod project;
 mod report;
@@ -22,6 +23,7 @@ pub use demo::{DemoPlan, DemoReport, demo};
 pub use evaluate::{Extra, evaluate};
 pub use info::{InfoReport, NormalsReport, info};
 pub use normals::{Bending, NormalChoice, normals};
+pub use orient::{OrientBy, OrientPlan, OrientationReport, orient};
 pub use project::project;
 pub use report::{
     InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
@@ -29,7 +31,8 @@ pub use report::{
 
 /// What the jobs take from the library, so that a front needs no other crate.
 pub use footpoint::{
-    Acceptance, Definition, NormalField, Operator, Precision, Progress, Project, Run, Status, Support, Weight,
+    Acceptance, Definition, NonOrientable, NormalField, NormalSource, Operator, Precision, Progress, Project,
+    Run, Status, Support, Weight,
 };
 pub use footpoint_io::Overwrite;
 
@@ -119,6 +122,24 @@ pub enum JobError {
     /// Uncertainties cannot be had.
     #[error(transparent)]
     Uncertainty(footpoint::UncertaintyError),
+    /// The samples cannot be oriented as asked.
+    #[error("{path}: {problem}")]
+    Orient {
+        /// The file.
+        path: String,
+        /// What stands against it.
+        problem: footpoint::OrientError,
+    },
+    /// A vector with another number of coordinates than the points.
+    #[error("{what}: {found} given, but the points have {expected} coordinates")]
+    Vector {
+        /// Which vector.
+        what: &'static str,
+        /// Dimension of the points.
+        expected: usize,
+        /// Values given.
+        found: usize,
+    },
     /// A folder cannot be made.
     #[error("{}: cannot make this folder: {problem}", path.display())]
     Folder {

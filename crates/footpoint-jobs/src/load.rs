@@ -4,7 +4,7 @@ use crate::clock::{Times, timed};
 use crate::output::drop_own_status;
 use crate::report::{InputReport, NoiseSource, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError};
-use footpoint::{Cloud, Definition, Error, Noise, Support, Surface};
+use footpoint::{Cloud, Definition, Error, Noise, OrientError, Support, Surface};
 use footpoint_io::roles::Roles;
 use footpoint_io::{Format, Input};
 use std::path::Path;
@@ -94,25 +94,35 @@ impl Loaded {
         if let Some(normals) = self.roles.normals(table) {
             cloud = cloud.with_normals(normals).map_err(misfit)?;
         }
-        let column = |name: &str| {
-            table.column(name).and_then(|c| c.data.to_f64()).ok_or_else(|| JobError::Column {
-                path: self.path.clone(),
-                name: name.to_owned(),
-                found: table.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(" "),
-            })
-        };
         if let Some(name) = &recipe.support_column {
-            cloud = cloud.with_supports(column(name)?).map_err(misfit)?;
+            cloud = cloud.with_supports(self.column(name)?).map_err(misfit)?;
         }
         if let Some(name) = &recipe.factor_column {
-            cloud = cloud.with_factors(column(name)?).map_err(misfit)?;
+            cloud = cloud.with_factors(self.column(name)?).map_err(misfit)?;
         }
         let wrong = |problem| JobError::Noise { path: self.path.clone(), problem };
         match &recipe.noise {
             Some(NoiseSource::Uniform(sigma)) => cloud.with_noise(Noise::Uniform(*sigma)).map_err(wrong),
-            Some(NoiseSource::Column(name)) => cloud.with_noise(Noise::Each(column(name)?)).map_err(wrong),
+            Some(NoiseSource::Column(name)) => {
+                cloud.with_noise(Noise::Each(self.column(name)?)).map_err(wrong)
+            }
             Some(NoiseSource::Estimated) | None => Ok(cloud),
         }
+    }
+
+    /// The numbers of a column.
+    pub(crate) fn column(&self, name: &str) -> Result<Vec<f64>, JobError> {
+        let table = &self.input.table;
+        table.column(name).and_then(|c| c.data.to_f64()).ok_or_else(|| JobError::Column {
+            path: self.path.clone(),
+            name: name.to_owned(),
+            found: table.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(" "),
+        })
+    }
+
+    /// Why this file cannot be oriented.
+    pub(crate) fn orient_error(&self, problem: OrientError) -> JobError {
+        JobError::Orient { path: self.path.clone(), problem }
     }
 
     /// The surface that the file's points define.

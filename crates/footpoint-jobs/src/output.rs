@@ -49,6 +49,11 @@ impl Naming {
     }
 }
 
+/// `nx`, in every format: the name that readers of given normals look for first.
+pub(crate) fn oriented_normal(axis: usize) -> String {
+    Naming::Ply.surface_normal(axis)
+}
+
 /// Drops the statuses that an earlier job wrote as words: this job writes its own, and PLY holds no words.
 pub(crate) fn drop_own_status(table: &mut Table) {
     let ours = |words: &[String]| words.iter().all(|w| Status::ALL.iter().any(|s| s.name() == w));

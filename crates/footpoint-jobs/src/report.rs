@@ -3,6 +3,7 @@
 use crate::clock::Times;
 use crate::demo::DemoReport;
 use crate::info::InfoReport;
+use crate::orient::OrientationReport;
 use footpoint::{Definition, Noise, Project, Sign, Status, SupportSummary, Surface};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -35,6 +36,9 @@ pub struct Report {
     /// How far `project` moved the points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved: Option<MovedReport>,
+    /// How `orient` found the signs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<OrientationReport>,
     /// What `info` found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub info: Option<InfoReport>,
@@ -168,6 +172,7 @@ impl Report {
             points: 0,
             statuses: Vec::new(),
             moved: None,
+            orientation: None,
             info: None,
             demo: None,
             times: Times::default(),

@@ -20,8 +20,8 @@
 //!
 //! A tour: [`Cloud`] holds the samples with optional normals, supports and factors; [`Definition`] says which surface
 //! they define ([`Weight`], [`Support`], [`NormalField`], [`Acceptance`]); [`Surface`] answers questions:
-//! [`Surface::evaluate`] gives f, ∇f and what belongs to them, [`Surface::project`] takes points to the surface.
-//! Every answer has a [`Status`]. [`Run`] says how to run: threads, progress, cancelling.
+//! [`Surface::evaluate`] gives f, ∇f and what belongs to them, [`Surface::project`] takes points to the surface,
+//! [`Surface::orient`] gives normals signs that agree. Every answer has a [`Status`]. [`Run`] says how to run: threads, progress, cancelling.
 
 // No panic on data and nothing on standard output by accident; tests may.
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
@@ -40,7 +40,9 @@ mod field;
 mod frame;
 mod grid;
 mod lane;
+mod neighbours;
 mod noise;
+mod orient;
 mod project;
 mod queries;
 mod run;
@@ -60,6 +62,7 @@ pub use evaluate::{Curvatures, Evaluations, Want};
 pub use field::NormalField;
 pub use lane::Precision;
 pub use noise::{Noise, NoiseError};
+pub use orient::{Component, NonOrientable, NormalSource, Orient, OrientError, Orientation, Verdict};
 pub use project::{Operator, Project, Projections, Trace};
 pub use queries::Queries;
 pub use run::{Cancelled, Instructions, Progress, Run};

@@ -129,3 +129,63 @@ pub fn ellipse(a: f64, b: f64, count: usize, seed: u64) -> Samples<2> {
     }
     samples
 }
+
+/// `count` points uniformly distributed over a Möbius strip: a band of this half width about a circle in the xy plane, which
+/// makes half a turn. It has no sides, so the normals' signs change along the half line y = 0, x > 0.
+pub fn moebius(radius: f64, half_width: f64, count: usize, seed: u64) -> Samples<3> {
+    let widest = (radius + half_width).hypot(half_width / 2.0);
+    uniform(count, seed, widest, |u, random| {
+        let v = half_width * (2.0 * random.uniform() - 1.0);
+        let ((sine, cosine), (half_sine, half_cosine)) = (u.sin_cos(), (u / 2.0).sin_cos());
+        let ring = radius + v * half_cosine;
+        let across = [half_cosine * cosine, half_cosine * sine, half_sine];
+        let along = [
+            -ring * sine - v / 2.0 * half_sine * cosine,
+            ring * cosine - v / 2.0 * half_sine * sine,
+            v / 2.0 * half_cosine,
+        ];
+        ([ring * cosine, ring * sine, v * half_sine], along, across)
+    })
+}
+
+/// `count` points uniformly distributed over a Klein bottle: a figure eight, `minor` times (sin v, sin 2v), that
+/// makes half a turn on its way around a circle of radius `major` in the xy plane. It crosses itself along that circle. It has
+/// no sides, so the normals' signs change along the half plane y = 0, x > 0.
+pub fn klein(major: f64, minor: f64, count: usize, seed: u64) -> Samples<3> {
+    // The eight reaches 1.25 minor from the circle, and its parameter runs at √5 minor at most.
+    let widest = (major + 1.25 * minor).hypot(0.625 * minor) * 5.0_f64.sqrt() * minor;
+    uniform(count, seed, widest, |u, random| {
+        let (v_sine, v_cosine) = (TAU * random.uniform()).sin_cos();
+        let (wide, high) = (minor * v_sine, minor * 2.0 * v_sine * v_cosine);
+        let (wide_v, high_v) = (minor * v_cosine, minor * 2.0 * (v_cosine * v_cosine - v_sine * v_sine));
+        let ((sine, cosine), (half_sine, half_cosine)) = (u.sin_cos(), (u / 2.0).sin_cos());
+        let turned = |a: f64, b: f64| (half_cosine * a - half_sine * b, half_sine * a + half_cosine * b);
+        let ((out, up), (out_v, up_v)) = (turned(wide, high), turned(wide_v, high_v));
+        let ring = major + out;
+        let along = [-ring * sine - up / 2.0 * cosine, ring * cosine - up / 2.0 * sine, out / 2.0];
+        ([ring * cosine, ring * sine, up], along, [out_v * cosine, out_v * sine, up_v])
+    })
+}
+
+/// Points of a surface of revolution or the like, uniform by area: `at` gives a point at the angle u with another parameter of
+/// its own choice, and the derivatives by both, whose cross product is at most `widest` long.
+fn uniform(
+    count: usize,
+    seed: u64,
+    widest: f64,
+    at: impl Fn(f64, &mut Random) -> ([f64; 3], [f64; 3], [f64; 3]),
+) -> Samples<3> {
+    let mut random = Random::new(seed);
+    let mut samples = Samples::default();
+    while samples.points.len() < count {
+        let u = TAU * random.uniform();
+        let (point, a, b) = at(u, &mut random);
+        let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+        let area = normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+        // Reject in proportion to the area of a piece of the parameters.
+        if area > widest * random.uniform() {
+            samples.push(point, normal.map(|c| c / area));
+        }
+    }
+    samples
+}

@@ -13,7 +13,7 @@ const CRATES: [(&str, &[&str]); 4] = [
 ];
 
 /// The library's rooms, lowest first: each may use only those before it.
-const ROOMS: [&str; 26] = [
+const ROOMS: [&str; 28] = [
     "written",
     "lane",
     "dual",
@@ -30,6 +30,7 @@ const ROOMS: [&str; 26] = [
     "cloud",
     "support",
     "grid",
+    "neighbours",
     "engine",
     "frame",
     "definition",
@@ -40,10 +41,11 @@ const ROOMS: [&str; 26] = [
     "evaluate",
     "project",
     "uncertainty",
+    "orient",
 ];
 
 /// Questions see the surface and its evaluator, never the engine or the index.
-const QUESTIONS: [&str; 3] = ["evaluate", "project", "uncertainty"];
+const QUESTIONS: [&str; 4] = ["evaluate", "project", "uncertainty", "orient"];
 const INTERNALS: [&str; 2] = ["engine", "grid"];
 
 const LONGEST_FILE: usize = 600;

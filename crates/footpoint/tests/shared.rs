@@ -4,8 +4,8 @@
 mod common;
 
 use footpoint::{
-    Cloud, Definition, Error, Evaluations, Project, Projections, Queries, Run, Running, Support, Surface,
-    Trace, Want, samples,
+    Cloud, Definition, Error, Evaluations, Orientation, Project, Projections, Queries, Run, Running, Support,
+    Surface, Trace, Want, samples,
 };
 
 fn shared<T: Send + Sync>() {}
@@ -18,6 +18,7 @@ fn everything_public_is_send_and_sync() {
     shared::<Evaluations<3>>();
     shared::<Projections<3>>();
     shared::<Trace<3>>();
+    shared::<Orientation<3>>();
     shared::<Queries<'_, 3>>();
     shared::<Running<'_, 3>>();
     shared::<Run<'_>>();
