@@ -58,7 +58,7 @@ fn accepted(found: &Projections<3>) -> impl Iterator<Item = [f64; 3]> + Clone + 
 }
 
 #[test]
-fn no_skirt_grows_and_the_rim_is_within_two_fifths_of_a_support() {
+fn no_skirt_grows_and_the_rim_is_within_half_a_support() {
     for case in cases() {
         for (weight, field) in [
             (Weight::Poly2, NormalField::CentredCovariance),
@@ -91,7 +91,7 @@ fn no_skirt_grows_and_the_rim_is_within_two_fifths_of_a_support() {
                 "{} {weight:?} {field:?}: rim {rim:.2} h beyond, {skirt:.2} h without the rule; {boundary} boundary, {lost} lost",
                 case.name
             );
-            assert!((0.0..0.42).contains(&rim), "{}: {rim}", case.name);
+            assert!((0.0..0.45).contains(&rim), "{}: {rim}", case.name);
             assert!(skirt > rim + 0.1, "the rule changes nothing: {skirt}");
             assert!(boundary > 100 && lost == 0, "{}: {boundary} {lost}", case.name);
         }

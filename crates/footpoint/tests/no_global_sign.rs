@@ -89,7 +89,7 @@ fn once_around_the_strip_the_carried_sign_has_turned() {
             carried *= turn.signum();
         }
         // Back at the start the answer is the same, the way there turned it over.
-        assert_eq!(e.frame_normal[0], e.frame_normal[steps as usize]);
+        assert!(dot(e.frame_normal[0], e.frame_normal[steps as usize]) > 1.0 - 1e-12);
         assert_eq!(carried, -1.0, "{field:?}");
         // n and ∇f turn together wherever one asks.
         assert!((0..along.len()).all(|i| dot(e.frame_normal[i], e.gradient[i]) > 0.5));
@@ -108,7 +108,15 @@ fn axes_do_not_feel_the_signs_of_the_normals() {
         let want = Want::VALUE | Want::FRAME_NORMAL | Want::GRADIENT;
         let one = with(shape.normals.clone()).evaluate(Queries::Samples, want);
         let other = with(axes(&shape)).evaluate(Queries::Samples, want);
-        assert_eq!(one, other, "{name}");
+        let mut turned = 0;
+        for i in 0..shape.points.len() {
+            // The sum of the normals decides the sign of the answer (SPEC § 3), and nothing else of it.
+            let sign = dot(one.frame_normal[i], other.frame_normal[i]).signum();
+            turned += usize::from(sign < 0.0);
+            assert_eq!(one.value[i], sign * other.value[i], "{name}");
+            assert_eq!(one.gradient[i], scale(other.gradient[i], sign), "{name}");
+        }
+        assert!(turned > 1000, "{turned}");
     }
 }
 

@@ -207,8 +207,21 @@ impl<const D: usize> Grid<D> {
                 Some(own) if !own.is_empty() => own.iter().fold(0.0, |m: f64, &h| m.max(h)),
                 _ => uniform_scale,
             };
-            let side = side_of(packings[(level[0].key >> CELL_BITS) as usize].level);
-            let cells = Cells::new(range, |i| cell_of(points[i], side), run);
+            let packing = &packings[(level[0].key >> CELL_BITS) as usize];
+            let side = side_of(packing.level);
+            let cell = |i: usize| cell_of(points[i], side);
+            let opens = |i: usize| {
+                let new = |before: usize| {
+                    let same_key = entries[i].key == entries[before].key;
+                    !(same_key && (packing.is_exact() || cell(i) == cell(before)))
+                };
+                i == range.start || new(i - 1)
+            };
+            let begins = run.collect_some(range.len(), |i| {
+                let i = range.start + i;
+                opens(i).then_some(i as u32)
+            });
+            let cells = Cells::new(begins, range.end, cell);
             levels.push(Level { side, reach: largest * reach, cells });
         }
         drop(entries);

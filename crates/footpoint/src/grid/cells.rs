@@ -1,6 +1,5 @@
 //! Occupied cells of one level: rows along the first axis, found through a table or by bisection.
 
-use crate::run::Run;
 use std::ops::Range;
 
 /// The occupied cells.
@@ -33,16 +32,8 @@ fn row_of<const D: usize>(cell: [i64; D]) -> [i64; 2] {
 }
 
 impl<const D: usize> Cells<D> {
-    /// From the cell of every sample of this range, in canonical order.
-    pub(super) fn new(
-        samples: Range<usize>,
-        cell: impl Fn(usize) -> [i64; D] + Sync + Send,
-        run: &Run<'_>,
-    ) -> Self {
-        let offset = samples.start;
-        let opens = |i: usize| i == 0 || cell(offset + i) != cell(offset + i - 1);
-        let mut begins: Vec<u32> =
-            run.collect_some(samples.len(), |i| opens(i).then_some((offset + i) as u32));
+    /// From the first sample of every occupied cell, in canonical order, where the last ends, and the cell of each sample.
+    pub(super) fn new(mut begins: Vec<u32>, end: usize, cell: impl Fn(usize) -> [i64; D]) -> Self {
         let mut along = Vec::with_capacity(begins.len());
         let (mut rows, mut row_begins) = (Vec::new(), Vec::new());
         for &begin in &begins {
@@ -54,7 +45,7 @@ impl<const D: usize> Cells<D> {
             }
             along.push(cell[0]);
         }
-        begins.push(samples.end as u32);
+        begins.push(end as u32);
         row_begins.push(along.len() as u32);
 
         let bound = |axis: usize| {

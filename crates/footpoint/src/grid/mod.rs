@@ -88,7 +88,12 @@ fn cell_of<const D: usize>(point: [f64; D], side: f64) -> [i64; D] {
     const FARTHEST: f64 = (1_u64 << 61) as f64;
     // Sides are powers of two: the product is exact.
     let inverse = 1.0 / side;
-    point.map(|c| (c * inverse).floor().clamp(-FARTHEST, FARTHEST) as i64)
+    point.map(|c| {
+        let along = (c * inverse).clamp(-FARTHEST, FARTHEST);
+        // Rounded down; the library's own is a call on processors' baseline.
+        let toward_zero = along as i64;
+        toward_zero - i64::from(toward_zero as f64 > along)
+    })
 }
 
 /// Row-major: the last axis counts most.

@@ -318,7 +318,7 @@ pub(crate) fn same_rows(found: &[Row], expected: &[Row], what: &str) {
 
 /// Rows of numbers after the header of a text file; the points' share of an ASCII PLY.
 pub(crate) fn rows_of_text(text: &str, most: usize) -> Vec<Vec<f64>> {
-    let body = text.split_once("end_header\n").map_or(text, |(_, body)| body);
+    let body = text.split_once("end_header").map_or(text, |(_, body)| body.trim_start());
     let numbers = |line: &str| line.split_whitespace().map(|word| word.parse().unwrap()).collect();
     body.lines().take(most).map(numbers).collect()
 }
