@@ -67,7 +67,7 @@ pub use project::{Operator, Project, Projections, Trace};
 pub use queries::Queries;
 pub use run::{Cancelled, Instructions, Progress, Run};
 pub use status::Status;
-pub use support::{Support, SupportError, SupportSummary, spacing};
+pub use support::{Support, SupportChoice, SupportError, SupportSummary, spacing};
 pub use surface::{Running, Sign, Surface};
 pub use uncertainty::{NoiseEstimate, Uncertainties, Uncertainty, UncertaintyError};
 pub use weight::Weight;
