@@ -76,3 +76,12 @@ pub use weight::Weight;
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// So are those of the mathematics.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../../../docs/definitions.md")]
+    struct Definitions;
+    #[doc = include_str!("../../../docs/sensitivity.md")]
+    struct Sensitivity;
+}
