@@ -109,7 +109,8 @@ fn shape_rows<const D: usize>(
                 let surface = Surface::new(cloud.clone(), definition)?;
                 for (name, operator) in OPERATORS {
                     let p = surface.project(Queries::Samples, &Project::new().with_operator(operator));
-                    let row = Row { operator: name, noise_in_spacings: noise, ..row(shape, &surface, &p, spacing) };
+                    let row =
+                        Row { operator: name, noise_in_spacings: noise, ..row(shape, &surface, &p, spacing) };
                     rows.push(row);
                 }
             }
@@ -145,7 +146,9 @@ fn row<const D: usize>(shape: &Shape<D>, surface: &Surface<D>, p: &Projections<D
         surface_normal_degrees: rounded(mean(&|i| degrees(p.surface_normal[i], truth(i).normal))),
         frame_normal_degrees: rounded(mean(&|i| degrees(p.frame_normal[i], truth(i).normal))),
         between_degrees: rounded(mean(&|i| degrees(p.surface_normal[i], p.frame_normal[i]))),
-        mean_evaluations: rounded(p.evaluations.iter().map(|&e| f64::from(e)).sum::<f64>() / p.status.len() as f64),
+        mean_evaluations: rounded(
+            p.evaluations.iter().map(|&e| f64::from(e)).sum::<f64>() / p.status.len() as f64,
+        ),
     }
 }
 
@@ -198,7 +201,8 @@ mod tests {
             assert!(position("plane", 0.0, &field).iter().all(|&e| e < 1e-9), "{field}");
         }
         let chosen = |noise: f64| {
-            let wanted = [("shape", json!("torus")), ("noise_in_spacings", json!(noise)), ("automatic", json!(true))];
+            let wanted =
+                [("shape", json!("torus")), ("noise_in_spacings", json!(noise)), ("automatic", json!(true))];
             numbers(&record, "effective_neighbours", &wanted)[0]
         };
         assert!(chosen(0.0) < chosen(0.5) && chosen(0.5) < chosen(1.0));

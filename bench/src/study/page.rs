@@ -19,7 +19,9 @@ pub(crate) fn compact(record: &Value) -> String {
     let rows = record["rows"].as_array().map_or(&[][..], Vec::as_slice);
     let all = rows.iter().filter_map(Value::as_object).flat_map(|row| row.keys());
     let names: BTreeSet<&String> = all.collect();
-    let line = |row: &Value| Value::from(names.iter().map(|&name| row[name].clone()).collect::<Vec<_>>()).to_string();
+    let line = |row: &Value| {
+        Value::from(names.iter().map(|&name| row[name].clone()).collect::<Vec<_>>()).to_string()
+    };
     let mut head = record.clone();
     head["rows"] = Value::from("ROWS");
     head["columns"] = names.iter().map(|name| name.as_str()).collect();
@@ -56,7 +58,10 @@ fn write_tables(out: &mut String, record: &Value) -> std::fmt::Result {
     let rows: Vec<&Value> = record["rows"].as_array().into_iter().flatten().collect();
     let picked = |keep: &dyn Fn(&&Value) -> bool| rows.iter().copied().filter(keep).collect::<Vec<_>>();
 
-    writeln!(out, "\nSupport and noise (centred covariance, orthogonal projection; lengths in spacings, angles in degrees):\n")?;
+    writeln!(
+        out,
+        "\nSupport and noise (centred covariance, orthogonal projection; lengths in spacings, angles in degrees):\n"
+    )?;
     let columns = [SHAPE, NOISE, AIM, SUPPORT, OK, POSITION, BIAS, SURFACE_NORMAL, FRAME_NORMAL, BETWEEN];
     write_table(out, &columns, &picked(&|row| fixed(row) && plain(row)))?;
 
@@ -107,7 +112,11 @@ fn number_of(value: Option<f64>) -> String {
         Some(value) => {
             let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 4) as usize;
             let text = format!("{value:.digits$}");
-            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_owned()
+            } else {
+                text
+            }
         }
     }
 }
@@ -126,7 +135,10 @@ mod tests {
         });
         let page = format!("before\n{BEGIN}\nold\n{END}\nafter\n");
         let page = written(&page, &json!({ "rows": [row] })).unwrap();
-        assert!(page.starts_with("before\n") && page.ends_with("\nafter\n") && !page.contains("old"), "{page}");
+        assert!(
+            page.starts_with("before\n") && page.ends_with("\nafter\n") && !page.contains("old"),
+            "{page}"
+        );
         assert!(page.contains("| torus | 0.5 | 16 |  | 99.9 | 0.123 |"), "{page}");
         assert_eq!(written("no marks", &json!({})), None);
     }

@@ -65,7 +65,11 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         }
         if let Some(choice) = surface.support_choice {
             let (error, noise) = (short(choice.error()), short(choice.noise));
-            writeln!(out, "  chosen for the least error: {:.1} effective neighbours", choice.effective_neighbours)?;
+            writeln!(
+                out,
+                "  chosen for the least error: {:.1} effective neighbours",
+                choice.effective_neighbours
+            )?;
             writeln!(out, "  noise of the samples {noise}; expected error of the surface {error} rms")?;
             let (from_noise, from_bias) = (short(choice.error_from_noise), short(choice.error_from_bias));
             writeln!(out, "    {from_noise} from noise, {from_bias} from curvature")?;

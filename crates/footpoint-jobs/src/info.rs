@@ -167,7 +167,8 @@ fn reason<const D: usize>(context: &Context<'_>) -> String {
         }
         Support::LeastError => "the radius at which noise and curvature make the least error".to_owned(),
         Support::LeastErrorPerSample => {
-            "each sample's distance to the neighbour at which noise and curvature make the least error".to_owned()
+            "each sample's distance to the neighbour at which noise and curvature make the least error"
+                .to_owned()
         }
         _ => String::new(),
     }

@@ -19,11 +19,13 @@ struct Case<const D: usize> {
     truth: Truth<D>,
     chosen: Support,
     sweep: [Support; 20],
+    /// Share of the foot points whose distances count.
+    counted: f64,
 }
 
 const MAJOR: f64 = 1.0;
 const MINOR: f64 = 0.4;
-const COUNT: usize = 10_000;
+const COUNT: usize = 6000;
 /// From one radius to the next.
 const RATIO: f64 = 1.2;
 /// A radius counts where this share of the inliers has a foot point.
@@ -103,17 +105,21 @@ fn torus(noise_in_spacings: f64) -> Vec<[f64; 3]> {
 fn errors<const D: usize>(case: &Case<D>, support: Support) -> [f64; 3] {
     let definition = Definition::new().with_support(support);
     let surface = Surface::new(Cloud::new(case.points.clone()), definition).unwrap();
-    let p = surface.project(Queries::Samples, &Project::new());
+    // Where frames are poor many points would use up the usual thousand.
+    let p = surface.project(Queries::Samples, &Project::new().with_most_evaluations(50));
     let ok: Vec<usize> = (0..case.inliers).filter(|&i| p.status[i].is_ok()).collect();
-    let (mut squares, mut angles) = (0.0, 0.0);
+    let (mut squares, mut angles) = (Vec::new(), 0.0);
     for &i in &ok {
         let (foot, n) = (case.truth)(p.point[i]);
-        squares += dot(sub(p.point[i], foot), sub(p.point[i], foot));
+        squares.push(dot(sub(p.point[i], foot), sub(p.point[i], foot)));
         let along = dot(p.surface_normal[i], n);
         angles += length(sub(p.surface_normal[i], scale(n, along))).atan2(along.abs()).to_degrees();
     }
     let count = ok.len() as f64;
-    [count / case.inliers as f64, (squares / count).sqrt(), angles / count]
+    squares.sort_unstable_by(f64::total_cmp);
+    squares.truncate((case.counted * count).ceil() as usize);
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    [count / case.inliers as f64, mean.sqrt(), angles / count]
 }
 
 /// Prints the row of the evidence; the error is promised to be within a quarter of the best.
@@ -155,7 +161,7 @@ fn check<const D: usize>(case: &Case<D>) {
 
 fn on_tori(name: &'static str, points: Vec<[f64; 3]>, inliers: usize) -> Case<3> {
     let sweep = radii(0.8 * spacing());
-    Case { name, points, inliers, truth: on_torus, chosen: Support::LeastError, sweep }
+    Case { name, points, inliers, truth: on_torus, chosen: Support::LeastError, sweep, counted: 1.0 }
 }
 
 #[test]
@@ -167,9 +173,13 @@ fn on_a_torus_clean_and_noisy() {
 
 #[test]
 fn with_repeats_and_outliers() {
-    let mut repeats = torus(0.5);
-    repeats.extend_from_within(..);
-    check(&on_tori("torus, noise, every point twice", repeats, COUNT));
+    let chosen = |points: Vec<[f64; 3]>| {
+        let definition = Definition::new().with_support(Support::LeastError);
+        Surface::new(Cloud::new(points), definition).unwrap().support()
+    };
+    let mut twice = torus(0.5);
+    twice.extend_from_within(..);
+    assert_eq!(chosen(twice), chosen(torus(0.5)));
     let mut repeats = torus(0.5);
     repeats.extend_from_within(..COUNT / 3);
     repeats.extend_from_within(..COUNT / 3);
@@ -185,8 +195,11 @@ fn with_repeats_and_outliers() {
             }
         }
         check(&on_tori(name, points.clone(), COUNT));
+        // With supports of their own the outliers define surfaces, too; a few samples end on these, at distances that would
+        // be all there is in a mean square.
         let name = "the same, a support for each sample";
-        check(&Case { chosen: Support::LeastErrorPerSample, sweep: counts(), ..on_tori(name, points, COUNT) });
+        let (chosen, sweep) = (Support::LeastErrorPerSample, counts());
+        check(&Case { chosen, sweep, counted: 0.99, ..on_tori(name, points, COUNT) });
     }
 }
 
@@ -196,7 +209,15 @@ fn with_uneven_density() {
     for (name, noise) in [("clean sphere, density 1 : 10", 0.0), ("sphere, noise, density 1 : 10", 0.5)] {
         let points = uneven_sphere(10.0, COUNT, 21).with_noise(noise * mean_spacing, 22).points;
         let sweep = radii(0.8 * mean_spacing);
-        let uniform = Case { name, points, inliers: COUNT, truth: on_sphere, chosen: Support::LeastError, sweep };
+        let uniform = Case {
+            name,
+            points,
+            inliers: COUNT,
+            truth: on_sphere,
+            chosen: Support::LeastError,
+            sweep,
+            counted: 1.0,
+        };
         check(&uniform);
         let name = "the same, a support for each sample";
         check(&Case { name, chosen: Support::LeastErrorPerSample, sweep: counts(), ..uniform });
@@ -204,7 +225,7 @@ fn with_uneven_density() {
     for (name, noise) in [("clean sphere, density 1 : 1000", 0.0), ("sphere, noise, density 1 : 1000", 0.2)] {
         let points = uneven_sphere(1000.0, COUNT, 23).with_noise(noise * mean_spacing, 24).points;
         let (chosen, sweep) = (Support::LeastErrorPerSample, counts());
-        check(&Case { name, points, inliers: COUNT, truth: on_sphere, chosen, sweep });
+        check(&Case { name, points, inliers: COUNT, truth: on_sphere, chosen, sweep, counted: 1.0 });
     }
 }
 
@@ -217,12 +238,28 @@ fn on_a_curved_and_on_a_flat_cloud() {
         let points = samples::ellipse(HALF_AXES[0], HALF_AXES[1], count, 31);
         let points = points.with_noise(noise * mean_spacing, 32).points;
         let sweep = radii(2.0 * mean_spacing);
-        check(&Case { name, points, inliers: count, truth: on_ellipse, chosen: Support::LeastError, sweep });
+        check(&Case {
+            name,
+            points,
+            inliers: count,
+            truth: on_ellipse,
+            chosen: Support::LeastError,
+            sweep,
+            counted: 1.0,
+        });
     }
     let mean_spacing = 2.0 / (COUNT as f64).sqrt();
     let points = samples::plane(1.0, COUNT, 33).with_noise(0.5 * mean_spacing, 34).points;
     let (chosen, sweep) = (Support::LeastError, radii(0.8 * mean_spacing));
-    check(&Case { name: "plane, noise", points, inliers: COUNT, truth: on_plane, chosen, sweep });
+    check(&Case {
+        name: "plane, noise",
+        points,
+        inliers: COUNT,
+        truth: on_plane,
+        chosen,
+        sweep,
+        counted: 1.0,
+    });
 }
 
 #[test]

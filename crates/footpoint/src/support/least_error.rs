@@ -24,20 +24,24 @@ pub(super) enum Spread {
 
 /// Samples at which the surface is looked for: their share that fails is known to a fifth where it is 1 %.
 const PROBES: usize = 2000;
-/// From one support to the next, and its eighth part.
+/// From one support to the next.
 const RATIO: f64 = 1.2;
 /// Effective neighbours of the middle, the first and the last of the sequence. Below the first no frame is determined;
 /// beyond the last an evaluation costs more than any noise is worth.
 const MIDDLE: f64 = 16.0;
 const FEWEST: f64 = 2.0;
 const MOST: f64 = 1000.0;
-/// Least share of the probes that must find the surface.
-const FOUND: f64 = 0.99;
+/// Least share of the probes that must find the surface: 99 % of the samples have a foot point then, of which a few need
+/// more than the steps below.
+const FOUND: f64 = 0.993;
+/// Share of the differences that count where each sample has its own support: among outliers, too, there are surfaces
+/// then, with supports as wide as they are far apart.
+const COUNTED_OF_EACH: f64 = 0.95;
 /// Residuals of a quadratic beyond this share of h mean a volume, not a surface.
 const THICK: f64 = 0.2;
-/// Steps towards the surface, and the value in h at which it is reached: a tenth of the least noise that matters.
-const STEPS: usize = 6;
-const REACHED: f64 = 0.02;
+/// Steps towards the surface, and the value in h at which it is reached.
+const STEPS: usize = 12;
+const REACHED: f64 = 1e-3;
 
 /// What was chosen, and the evidence.
 pub(super) struct Found {
@@ -54,6 +58,8 @@ struct Level {
     factor: f64,
     /// Distinct points of the cloud, times the weight's share of effective ones.
     points: f64,
+    /// Share of the differences that count.
+    counted: f64,
     probes: Vec<Option<Probe>>,
 }
 
@@ -70,6 +76,8 @@ struct Probe {
 struct Risk {
     noise: f64,
     bias: f64,
+    /// The part of the bias that noise does not explain either.
+    evident_bias: f64,
 }
 
 /// Chooses the support by the rule above.
@@ -101,7 +109,8 @@ pub(super) fn least_error<const D: usize>(
         let (mut low, mut high) = (levels[first - 1].factor, levels[first].factor);
         for _ in 0..3 {
             let level = prober.level((low * high).sqrt(), run)?;
-            let suffices = level.share(&base) >= FOUND && level.error(&base, noise) <= levels[best].error(&base, noise);
+            let suffices =
+                level.share(&base) >= FOUND && level.error(&base, noise) <= levels[best].error(&base, noise);
             *(if suffices { &mut high } else { &mut low }) = level.factor;
             if suffices {
                 levels.push(level);
@@ -177,7 +186,8 @@ impl<'c, const D: usize> Prober<'c, D> {
         let stride = all.div_ceil(PROBES);
         let probe = |j: usize| self.probe(self.distinct.point(j * stride), factor);
         let probes = run.map(all.div_ceil(stride), probe)?;
-        Ok(Level { factor, points: all as f64 * self.weight.effective_share(D), probes })
+        let counted = if self.spread == Spread::Uniform { 1.0 } else { COUNTED_OF_EACH };
+        Ok(Level { factor, points: all as f64 * self.weight.effective_share(D), counted, probes })
     }
 
     /// Follows n from a sample to the surface; `None` where it is not found.
@@ -227,7 +237,11 @@ impl Level {
     /// The variance σ² of the samples across the surface: the median forgives outliers.
     fn noise(&self, base: &[bool]) -> f64 {
         let all = self.quadratics(base);
-        if all.is_empty() { f64::NAN } else { median(all.iter().map(|(square, q)| square * q.noise).collect()) }
+        if all.is_empty() {
+            f64::NAN
+        } else {
+            median(all.iter().map(|(square, q)| square * q.noise).collect())
+        }
     }
 
     fn risk(&self, base: &[bool], noise: f64) -> Risk {
@@ -236,33 +250,41 @@ impl Level {
             all.iter().map(|(square, q)| of(*square, q)).sum::<f64>() / all.len() as f64
         };
         let mean_variance = mean(&|_, q| q.mean_variance);
-        let difference = mean(&|square, q| square * q.difference * q.difference);
+        let mut squares: Vec<f64> =
+            all.iter().map(|(square, q)| square * q.difference * q.difference).collect();
+        squares.sort_unstable_by(f64::total_cmp);
+        squares.truncate((self.counted * all.len() as f64).ceil() as usize);
+        let difference = squares.iter().sum::<f64>() / squares.len() as f64;
         // Noise alone gives differences too. Their mean square is known as well as there are neighbourhoods that do not
         // overlap: what is within its standard deviation is no evidence of bias.
         let apart = (self.points * mean_variance).clamp(1.0, all.len().max(1) as f64);
-        let by_noise = noise * mean(&|_, q| q.difference_variance) * (1.0 + (2.0 / apart).sqrt());
-        Risk { noise: noise * mean_variance, bias: (difference - by_noise).max(0.0) }
+        let by_noise = noise * mean(&|_, q| q.difference_variance);
+        let within = by_noise * (1.0 + (2.0 / apart).sqrt());
+        let above = |explained: f64| (difference - explained).max(0.0);
+        Risk { noise: noise * mean_variance, bias: above(by_noise), evident_bias: above(within) }
     }
 
     fn error(&self, base: &[bool], noise: f64) -> f64 {
         let risk = self.risk(base, noise);
-        risk.noise + risk.bias
+        risk.noise + risk.evident_bias
     }
 }
 
-/// The probes that find the surface where it is found best: the first level, from the middle on, after which hardly any
-/// more find it. The others are outliers, which nothing is chosen for.
+/// The probes that find the surface where it is found best: at the first level, from the middle on, after which hardly any
+/// more find it, and at the two levels after that. The others are outliers, which nothing is chosen for.
 fn base(levels: &[Level]) -> Vec<bool> {
     let share = |level: &Level| {
         level.probes.iter().filter(|p| p.is_some()).count() as f64 / level.probes.len() as f64
     };
-    let settled = |pair: &&[Level]| {
-        let [now, next] = [share(&pair[0]), share(&pair[1])];
-        is_from_middle(&pair[0]) && now >= 0.9 && next <= now + 0.01
+    let settled = |three: &&[Level]| {
+        let [now, next] = [share(&three[0]), share(&three[1])];
+        is_from_middle(&three[0]) && now >= 0.9 && next <= now + 0.01
     };
-    let best = || levels.iter().reduce(|best, level| if share(level) > share(best) { level } else { best });
-    let level = levels.windows(2).find(settled).map(|pair| &pair[0]).or_else(best);
-    level.map(|level| level.probes.iter().map(Option::is_some).collect()).unwrap_or_default()
+    let best =
+        || levels.chunks(1).reduce(|best, one| if share(&one[0]) > share(&best[0]) { one } else { best });
+    let taken = levels.windows(3).find(settled).or_else(best).unwrap_or_default();
+    let count = taken.first().map_or(0, |level| level.probes.len());
+    (0..count).map(|i| taken.iter().all(|level| level.probes[i].is_some())).collect()
 }
 
 /// Rounding of the factors aside.
@@ -297,5 +319,6 @@ fn has_passed<const D: usize>(levels: &[Level]) -> bool {
     let base = base(levels);
     let (best, noise) = select(levels, &base);
     let error = |level: &Level| level.error(&base, noise);
-    best + 3 < levels.len() && levels[levels.len() - 3..].iter().all(|level| error(level) > 4.0 * error(&levels[best]))
+    best + 3 < levels.len()
+        && levels[levels.len() - 3..].iter().all(|level| error(level) > 4.0 * error(&levels[best]))
 }

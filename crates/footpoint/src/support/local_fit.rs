@@ -250,7 +250,8 @@ mod tests {
             })
             .collect();
         let mean = |of: &dyn Fn(&(f64, Quadratic)) -> f64| draws.iter().map(of).sum::<f64>() / 600.0;
-        let differences = mean(&|(_, q)| q.difference * q.difference) / mean(&|(_, q)| 1e-6 * q.difference_variance);
+        let differences =
+            mean(&|(_, q)| q.difference * q.difference) / mean(&|(_, q)| 1e-6 * q.difference_variance);
         let means = mean(&|(f, _)| f * f) / mean(&|(_, q)| 1e-6 * q.mean_variance);
         println!("measured over expected variance: difference {differences:.3}, mean {means:.3}");
         assert!((differences - 1.0).abs() < 0.2 && (means - 1.0).abs() < 0.3);

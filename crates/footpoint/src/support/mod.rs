@@ -105,7 +105,7 @@ pub struct SupportChoice {
     pub noise: f64,
     /// What is left of the noise in the surface, root mean square.
     pub error_from_noise: f64,
-    /// How far the surface is drawn aside by curvature, root mean square; 0 where noise hides it.
+    /// How far the surface is drawn aside by curvature, root mean square; 0 where no more is seen than noise explains.
     pub error_from_bias: f64,
 }
 
