@@ -22,6 +22,26 @@ pub(super) enum Spread {
     PerSample,
 }
 
+impl Spread {
+    /// Least share of the probes that must find the surface, so that 99 % of the samples have a foot point. A probe takes
+    /// one support for all its neighbours; where each has its own, twice or three times as many fail.
+    fn least_found(self) -> f64 {
+        match self {
+            Self::Uniform => 0.993,
+            Self::PerSample => 0.997,
+        }
+    }
+
+    /// Share of the differences that count. Where each sample has its own support there are surfaces among outliers, too,
+    /// with supports as wide as they are far apart.
+    fn counted(self) -> f64 {
+        match self {
+            Self::Uniform => 1.0,
+            Self::PerSample => 0.95,
+        }
+    }
+}
+
 /// Samples at which the surface is looked for: their share that fails is known to a fifth where it is 1 %.
 const PROBES: usize = 2000;
 /// From one support to the next.
@@ -31,12 +51,6 @@ const RATIO: f64 = 1.2;
 const MIDDLE: f64 = 16.0;
 const FEWEST: f64 = 2.0;
 const MOST: f64 = 1000.0;
-/// Least share of the probes that must find the surface: 99 % of the samples have a foot point then, of which a few need
-/// more than the steps below.
-const FOUND: f64 = 0.993;
-/// Share of the differences that count where each sample has its own support: among outliers, too, there are surfaces
-/// then, with supports as wide as they are far apart.
-const COUNTED_OF_EACH: f64 = 0.95;
 /// Residuals of a quadratic beyond this share of h mean a volume, not a surface.
 const THICK: f64 = 0.2;
 /// Steps towards the surface, and the value in h at which it is reached.
@@ -58,8 +72,7 @@ struct Level {
     factor: f64,
     /// Distinct points of the cloud, times the weight's share of effective ones.
     points: f64,
-    /// Share of the differences that count.
-    counted: f64,
+    spread: Spread,
     probes: Vec<Option<Probe>>,
 }
 
@@ -105,12 +118,12 @@ pub(super) fn least_error<const D: usize>(
     let first = best;
     // Where the fewest neighbours that suffice are best, they are worth a closer look: without noise the error grows with
     // the square of the support.
-    if first > 0 && levels[first - 1].share(&base) < FOUND {
+    if first > 0 && !levels[first - 1].suffices(&base) {
         let (mut low, mut high) = (levels[first - 1].factor, levels[first].factor);
         for _ in 0..3 {
             let level = prober.level((low * high).sqrt(), run)?;
             let suffices =
-                level.share(&base) >= FOUND && level.error(&base, noise) <= levels[best].error(&base, noise);
+                level.suffices(&base) && level.error(&base, noise) <= levels[best].error(&base, noise);
             *(if suffices { &mut high } else { &mut low }) = level.factor;
             if suffices {
                 levels.push(level);
@@ -186,8 +199,7 @@ impl<'c, const D: usize> Prober<'c, D> {
         let stride = all.div_ceil(PROBES);
         let probe = |j: usize| self.probe(self.distinct.point(j * stride), factor);
         let probes = run.map(all.div_ceil(stride), probe)?;
-        let counted = if self.spread == Spread::Uniform { 1.0 } else { COUNTED_OF_EACH };
-        Ok(Level { factor, points: all as f64 * self.weight.effective_share(D), counted, probes })
+        Ok(Level { factor, points: all as f64 * self.weight.effective_share(D), spread: self.spread, probes })
     }
 
     /// Follows n from a sample to the surface; `None` where it is not found.
@@ -221,11 +233,11 @@ impl<'c, const D: usize> Prober<'c, D> {
 }
 
 impl Level {
-    /// Share of the base's probes that find the surface.
-    fn share(&self, base: &[bool]) -> f64 {
+    /// Whether enough of the base's probes find the surface.
+    fn suffices(&self, base: &[bool]) -> bool {
         let of_base = base.iter().filter(|&&b| b).count();
         let found = self.probes.iter().zip(base).filter(|(probe, b)| **b && probe.is_some()).count();
-        found as f64 / of_base as f64
+        of_base > 0 && found as f64 >= self.spread.least_found() * of_base as f64
     }
 
     /// The base's probes at which a quadratic is determined.
@@ -253,7 +265,7 @@ impl Level {
         let mut squares: Vec<f64> =
             all.iter().map(|(square, q)| square * q.difference * q.difference).collect();
         squares.sort_unstable_by(f64::total_cmp);
-        squares.truncate((self.counted * all.len() as f64).ceil() as usize);
+        squares.truncate((self.spread.counted() * all.len() as f64).ceil() as usize);
         let difference = squares.iter().sum::<f64>() / squares.len() as f64;
         // Noise alone gives differences too. Their mean square is known as well as there are neighbourhoods that do not
         // overlap: what is within its standard deviation is no evidence of bias.
@@ -299,7 +311,7 @@ fn select(levels: &[Level], base: &[bool]) -> (usize, f64) {
     // It settles after two or three rounds; where it goes to and fro either will do.
     for _ in 0..8 {
         noise = levels[from].noise(base);
-        let errors = levels.iter().enumerate().filter(|(_, level)| level.share(base) >= FOUND);
+        let errors = levels.iter().enumerate().filter(|(_, level)| level.suffices(base));
         let errors = errors.map(|(i, level)| (i, level.error(base, noise))).filter(|(_, e)| !e.is_nan());
         best = errors.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(middle, |(i, _)| i);
         if best.max(middle) == from {
