@@ -149,11 +149,6 @@ fn check<const D: usize>(case: &Case<D>) {
         choice.error_from_noise,
         choice.error_from_bias,
     );
-    if std::env::var_os("SWEEP").is_some() {
-        for (support, e) in case.sweep.iter().zip(&all) {
-            println!("    {support:?}: ok {:.4} rms {:.3e} angle {:.3}", e[0], e[1], e[2]);
-        }
-    }
     assert!(least > 0 && best(1).is_finite(), "{}: the sweep does not reach low enough", case.name);
     assert!(found[0] >= 0.985, "{}: only {} have a foot point", case.name, found[0]);
     assert!(found[1] <= 1.25 * best(1), "{}: {:e}, best {:e}", case.name, found[1], best(1));
