@@ -14,12 +14,13 @@ mod notes;
 mod peers;
 mod scaling;
 mod speed;
+mod study;
 mod table;
 mod target;
 
 use case::Cases;
 use clap::{Parser, Subcommand};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(Parser)]
@@ -52,6 +53,15 @@ enum Part {
         #[arg(long)]
         folder: PathBuf,
     },
+    /// Accuracy where the truth is known.
+    Study {
+        /// The page that gets the tables.
+        #[arg(long)]
+        page: PathBuf,
+        /// The file that gets all numbers.
+        #[arg(long)]
+        record: PathBuf,
+    },
     /// Prints a record as a table for the README.
     Table {
         /// A record of speed or of peers.
@@ -77,6 +87,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode, String> {
         Part::Peers { groups, peers, folder } => {
             ("peers", peers::peers(&cases, groups, peers, folder, arguments.repeats)?)
         }
+        Part::Study { page, record } => return write_study(page, record),
         Part::Table { record } => {
             let text = std::fs::read_to_string(record).map_err(|e| format!("{}: {e}", record.display()))?;
             let record = serde_json::from_str(&text).map_err(|e| format!("{}: {e}", record.display()))?;
@@ -87,5 +98,17 @@ fn run(arguments: &Arguments) -> Result<ExitCode, String> {
     notes::add(&mut record, part);
     println!("{record:#}");
     let failed = record["failures"].as_array().is_none_or(|failures| !failures.is_empty());
+    Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+/// The study's tables into their page, its numbers into their record.
+fn write_study(page: &Path, record: &Path) -> Result<ExitCode, String> {
+    let problem = |path: &Path, e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+    let text = std::fs::read_to_string(page).map_err(|e| problem(page, &e))?;
+    let found = study::study(study::Plan::FULL).map_err(|e| e.to_string())?;
+    let text = study::written(&text, &found).ok_or_else(|| problem(page, &"no marks for the tables"))?;
+    std::fs::write(page, text).map_err(|e| problem(page, &e))?;
+    std::fs::write(record, study::compact(&found)).map_err(|e| problem(record, &e))?;
+    let failed = found["failures"].as_array().is_none_or(|failures| !failures.is_empty());
     Ok(if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -313,12 +313,13 @@ pub(crate) struct Common {
     /// One support radius for all samples, in the unit of the file
     #[arg(long, value_name = "H", group = "support", allow_negative_numbers = true)]
     radius: Option<f64>,
-    /// One radius, chosen so that an even sampling has this many effective neighbours [default: 16]
-    #[arg(long, value_name = "N_EFF", group = "support", allow_negative_numbers = true)]
-    auto: Option<f64>,
+    /// One radius, chosen so that an even sampling has this many effective neighbours, or `best`: so that noise and
+    /// curvature together make the least error [default: 16]
+    #[arg(long, value_name = "N_EFF", group = "support", allow_negative_numbers = true, value_parser = aim)]
+    auto: Option<Aim>,
     /// One radius per sample, chosen in the same way
-    #[arg(long, value_name = "N_EFF", group = "support", allow_negative_numbers = true)]
-    per_sample: Option<f64>,
+    #[arg(long, value_name = "N_EFF", group = "support", allow_negative_numbers = true, value_parser = aim)]
+    per_sample: Option<Aim>,
     /// Column of support radii, in the unit of the file
     #[arg(long, value_name = "NAME", group = "support")]
     support_column: Option<String>,
@@ -375,6 +376,13 @@ pub(crate) struct Common {
     /// Say more
     #[arg(short, long, action = ArgAction::SetTrue, help_heading = "Running")]
     verbose: bool,
+}
+
+/// What an automatic support aims at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Aim {
+    EffectiveNeighbours(f64),
+    LeastError,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -446,8 +454,14 @@ impl Common {
             recipe.support_column.clone_from(&self.support_column);
             definition = definition.with_support(match (self.radius, self.per_sample, self.auto) {
                 (Some(h), _, _) => Support::Uniform(h),
-                (_, Some(effective_neighbours), _) => Support::AutoPerSample { effective_neighbours },
-                (_, _, Some(effective_neighbours)) => Support::Auto { effective_neighbours },
+                (_, Some(Aim::LeastError), _) => Support::LeastErrorPerSample,
+                (_, Some(Aim::EffectiveNeighbours(effective_neighbours)), _) => {
+                    Support::AutoPerSample { effective_neighbours }
+                }
+                (_, _, Some(Aim::LeastError)) => Support::LeastError,
+                (_, _, Some(Aim::EffectiveNeighbours(effective_neighbours))) => {
+                    Support::Auto { effective_neighbours }
+                }
                 (None, None, None) => Support::FromSamples,
             });
         }
@@ -496,6 +510,17 @@ impl Common {
         acceptance.boundary = self.accept_boundary.or(acceptance.boundary);
         recipe.definition = definition.with_acceptance(acceptance);
         Ok(recipe)
+    }
+}
+
+/// `best` or a number, which the library judges.
+fn aim(text: &str) -> Result<Aim, String> {
+    match text {
+        "best" => Ok(Aim::LeastError),
+        _ => text
+            .parse()
+            .map(Aim::EffectiveNeighbours)
+            .map_err(|_| "it must be a number of effective neighbours, or `best`".to_owned()),
     }
 }
 

@@ -63,6 +63,17 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             let (low, middle, high) = (short(s.smallest), short(s.median), short(s.largest));
             writeln!(out, "support radius per sample, {low} to {high}, median {middle}")?;
         }
+        if let Some(choice) = surface.support_choice {
+            let (error, noise) = (short(choice.error()), short(choice.noise));
+            writeln!(
+                out,
+                "  chosen for the least error: {:.1} effective neighbours",
+                choice.effective_neighbours
+            )?;
+            writeln!(out, "  noise of the samples {noise}; expected error of the surface {error} rms")?;
+            let (from_noise, from_bias) = (short(choice.error_from_noise), short(choice.error_from_bias));
+            writeln!(out, "    {from_noise} from noise, {from_bias} from curvature")?;
+        }
         if surface.samples_absent > 0 {
             writeln!(out, "{} samples do not take part", surface.samples_absent)?;
         }

@@ -82,6 +82,28 @@ fn support_rules() {
 }
 
 #[test]
+fn the_support_of_least_error_says_why() {
+    let folder = folder();
+    let (default, report) = evaluate(&folder, "");
+    assert!(report["surface"]["support_choice"].is_null());
+    let (best, report) = evaluate(&folder, "--auto best");
+    let (each, of_each) = evaluate(&folder, "--per-sample best");
+    for report in [&report, &of_each] {
+        let number = |key: &str| report["surface"]["support_choice"][key].as_f64().unwrap();
+        // What the cloud was made with.
+        assert!((number("noise") / 0.01 - 1.0).abs() < 0.2, "{report:#}");
+        let error = number("error_from_noise").hypot(number("error_from_bias"));
+        assert!(error > 0.0005 && error < 0.005, "{error}");
+    }
+    let chosen = &report["surface"]["support_choice"]["effective_neighbours"];
+    let repeated = median_support(&evaluate(&folder, &format!("--auto {chosen}")).1);
+    assert!((repeated / median_support(&report) - 1.0).abs() < 0.05);
+    all_differ(&[default, best, each]);
+    let said = folder.run("info cloud.csv --auto best");
+    assert!(said.stdout.contains("chosen for the least error"), "{}", said.stdout);
+}
+
+#[test]
 fn factors_multiply_the_weights() {
     let folder = folder();
     let plain = evaluate(&folder, "").0;

@@ -165,6 +165,11 @@ fn reason<const D: usize>(context: &Context<'_>) -> String {
         Support::AutoPerSample { effective_neighbours } => {
             format!("each sample's distance to {}", wanted(effective_neighbours))
         }
+        Support::LeastError => "the radius at which noise and curvature make the least error".to_owned(),
+        Support::LeastErrorPerSample => {
+            "each sample's distance to the neighbour at which noise and curvature make the least error"
+                .to_owned()
+        }
         _ => String::new(),
     }
 }

@@ -4,7 +4,7 @@ use crate::clock::Times;
 use crate::demo::DemoReport;
 use crate::info::InfoReport;
 use crate::orient::OrientationReport;
-use footpoint::{Definition, Noise, Project, Sign, Status, SupportSummary, Surface};
+use footpoint::{Definition, Noise, Project, Sign, Status, SupportChoice, SupportSummary, Surface};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -122,6 +122,9 @@ pub struct InputReport {
 pub struct SurfaceReport {
     /// The support radii that the rule gave.
     pub support: SupportSummary,
+    /// The evidence for them, where the rule was that of least error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support_choice: Option<SupportChoice>,
     /// Whether signs mean something.
     pub sign: Sign,
     /// Samples that take part.
@@ -209,6 +212,7 @@ impl SurfaceReport {
     pub(crate) fn of<const D: usize>(surface: &Surface<D>) -> Self {
         Self {
             support: surface.support(),
+            support_choice: surface.support_choice(),
             sign: surface.sign(),
             samples_used: surface.samples_used(),
             samples_absent: surface.cloud().len() - surface.samples_used(),

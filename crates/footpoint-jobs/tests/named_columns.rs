@@ -3,7 +3,7 @@
 mod common;
 
 use common::{numbers, table, with_support};
-use footpoint_jobs::{Context, NormalChoice, Recipe, Support, normals, recipe_of};
+use footpoint_jobs::{Bending, Context, NormalChoice, Recipe, Support, normals, recipe_of};
 
 #[test]
 fn over_any_rule() {
@@ -17,7 +17,7 @@ fn over_any_rule() {
     std::fs::write(path("cloud.csv"), cloud).unwrap();
     let run = |output: &str, recipe: Recipe| {
         let context = Context { recipe, ..Context::default() };
-        normals(&path("cloud.csv"), &path(output), NormalChoice::Surface, &context).unwrap()
+        normals(&path("cloud.csv"), &path(output), (NormalChoice::Surface, Bending::Omit), &context).unwrap()
     };
     let named = |support| Recipe { support_column: Some("reach".to_owned()), ..with_support(support) };
     let first = run("first.ply", named(Support::FromSamples));

@@ -67,7 +67,7 @@ pub use project::{Operator, Project, Projections, Trace};
 pub use queries::Queries;
 pub use run::{Cancelled, Instructions, Progress, Run};
 pub use status::Status;
-pub use support::{Support, SupportError, SupportSummary, spacing};
+pub use support::{Support, SupportChoice, SupportError, SupportSummary, spacing};
 pub use surface::{Running, Sign, Surface};
 pub use uncertainty::{NoiseEstimate, Uncertainties, Uncertainty, UncertaintyError};
 pub use weight::Weight;
@@ -76,3 +76,12 @@ pub use weight::Weight;
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// So are those of the mathematics.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../../../docs/definitions.md")]
+    struct Definitions;
+    #[doc = include_str!("../../../docs/sensitivity.md")]
+    struct Sensitivity;
+}

@@ -7,7 +7,7 @@ use crate::grid::{Grid, cell_side};
 use crate::lane::Precision;
 use crate::noise::{Noise, NoiseError};
 use crate::run::Run;
-use crate::support::{SupportError, SupportSummary, choose};
+use crate::support::{SupportChoice, SupportError, SupportSummary, choose};
 
 /// The surface that a cloud defines: the zero set of f(x) = n(x)·(x − a(x)) (eqs. 2 and 3).
 ///
@@ -20,6 +20,7 @@ pub struct Surface<const D: usize> {
     pub(crate) definition: Definition,
     pub(crate) grid: Grid<D>,
     support: SupportSummary,
+    support_choice: Option<SupportChoice>,
     sign: Sign,
 }
 
@@ -64,7 +65,7 @@ impl<const D: usize> Surface<D> {
         // The main axis of normals is for those whose signs mean nothing.
         let signed = has_normals && field != NormalField::AveragedAxes;
         let sign = if signed { Sign::Given } else { Sign::Arbitrary };
-        let radii = choose(&cloud, definition.support(), definition.weight(), run)?;
+        let (radii, support_choice) = choose(&cloud, definition.support(), definition.weight(), run)?;
         let support = radii.summary(&cloud)?;
         let SupportSummary { smallest, largest, .. } = support;
         if definition.precision() == Precision::Single && smallest < 1e-3 * largest {
@@ -76,7 +77,7 @@ impl<const D: usize> Surface<D> {
         if grid.len() == 0 {
             return Err(SupportError::NoSample(cloud.len()).into());
         }
-        Ok(Self { cloud, definition, grid, support, sign })
+        Ok(Self { cloud, definition, grid, support, support_choice, sign })
     }
 
     /// The same calls with threads, progress and cancelling.
@@ -104,6 +105,11 @@ impl<const D: usize> Surface<D> {
     /// The radii that the definition's rule gave.
     pub fn support(&self) -> SupportSummary {
         self.support
+    }
+
+    /// Why the radii are what they are, where the rule was one of least error.
+    pub fn support_choice(&self) -> Option<SupportChoice> {
+        self.support_choice
     }
 
     /// Whether distances and normals have a sign that means something.

@@ -1,11 +1,14 @@
-//! Support radii: uniform, per sample, and chosen from the spacing of the samples.
+//! Support radii: uniform, per sample, and chosen from spacing, noise and curvature of the samples.
 
-use crate::algebra::{compare, exponent};
+mod least_error;
+mod local_fit;
+mod neighbours;
+
 use crate::cloud::Cloud;
 use crate::run::{Cancelled, Run};
 use crate::weight::Weight;
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use std::num::NonZero;
+use least_error::{Spread, least_error};
+use neighbours::Distinct;
 
 /// The rule that gives the support radii h (SPEC § 1), in the unit of the coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +32,12 @@ pub enum Support {
         /// Effective neighbours to aim at.
         effective_neighbours: f64,
     },
+    /// One radius: that at which the estimated distance of the surface from the one that was sampled is least (root mean
+    /// square over the samples). Noise and bias are estimated at 2000 of them, for 2 to 1000 effective neighbours; see
+    /// [`SupportChoice`] and `docs/accuracy.md`. It costs some tenths of a second more than `Auto`.
+    LeastError,
+    /// One radius per sample, as for `AutoPerSample`, with the effective neighbours of the least error.
+    LeastErrorPerSample,
 }
 
 impl Default for Support {
@@ -85,6 +94,28 @@ pub struct SupportSummary {
     pub largest: f64,
 }
 
+/// Why [`Support::LeastError`] chose what it did. Lengths are in the unit of the coordinates, and NaN where no surface was
+/// found to estimate them by (then the support is that of `Auto`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SupportChoice {
+    /// Effective neighbours of an even sampling with this support: for `Auto` and `AutoPerSample` to repeat the choice.
+    pub effective_neighbours: f64,
+    /// Standard deviation of the samples across the surface: what a local quadratic leaves (median).
+    pub noise: f64,
+    /// What is left of the noise in the surface, root mean square.
+    pub error_from_noise: f64,
+    /// How far the surface is drawn aside by curvature, root mean square; 0 where no more is seen than noise explains.
+    pub error_from_bias: f64,
+}
+
+impl SupportChoice {
+    /// The expected distance from the surface that was sampled, root mean square.
+    pub fn error(&self) -> f64 {
+        self.error_from_noise.hypot(self.error_from_bias)
+    }
+}
+
 /// Radii as the index needs them.
 #[derive(Clone, Debug)]
 pub(crate) enum Radii {
@@ -130,32 +161,51 @@ pub(crate) fn choose<const D: usize>(
     support: Support,
     weight: Weight,
     run: &Run<'_>,
-) -> Result<Radii, SupportError> {
-    match support {
-        Support::Uniform(h) if h > 0.0 && h.is_finite() => Ok(Radii::Uniform(h)),
-        Support::Uniform(h) => Err(SupportError::NotPositive(h)),
+) -> Result<(Radii, Option<SupportChoice>), SupportError> {
+    let radii = match support {
+        Support::Uniform(h) if h > 0.0 && h.is_finite() => Radii::Uniform(h),
+        Support::Uniform(h) => return Err(SupportError::NotPositive(h)),
         Support::FromSamples => {
             let radii = cloud.supports().ok_or(SupportError::NoColumn)?;
-            Ok(Radii::PerSample(radii.to_vec()))
+            Radii::PerSample(radii.to_vec())
         }
         Support::Auto { effective_neighbours } => {
-            let spacing = Neighbours::of(cloud, neighbour_count::<D>(weight, effective_neighbours)?)?;
-            let mut distances = spacing.distances(spacing.distinct.len().div_ceil(SELECTION), run)?;
-            let middle = distances.len() / 2;
-            Ok(Radii::Uniform(*distances.select_nth_unstable_by(middle, f64::total_cmp).1))
+            let count = neighbour_count::<D>(weight, effective_neighbours)?;
+            let distinct = Distinct::of(cloud)?;
+            Radii::Uniform(median(distinct.distances(count, distinct.len().div_ceil(SELECTION), run)?))
         }
         Support::AutoPerSample { effective_neighbours } => {
-            let spacing = Neighbours::of(cloud, neighbour_count::<D>(weight, effective_neighbours)?)?;
-            let distances = spacing.distances(1, run)?;
-            let mut radii = vec![f64::NAN; cloud.len()];
-            for (samples, distance) in spacing.groups().zip(distances) {
-                for &i in samples {
-                    radii[i as usize] = distance;
-                }
-            }
-            Ok(Radii::PerSample(radii))
+            let count = neighbour_count::<D>(weight, effective_neighbours)?;
+            per_sample(cloud, &Distinct::of(cloud)?, count, run)?
+        }
+        Support::LeastError => {
+            let found = least_error((cloud, &Distinct::of(cloud)?), weight, Spread::Uniform, run)?;
+            return Ok((Radii::Uniform(found.radius), Some(found.choice)));
+        }
+        Support::LeastErrorPerSample => {
+            let distinct = Distinct::of(cloud)?;
+            let found = least_error((cloud, &distinct), weight, Spread::PerSample, run)?;
+            return Ok((per_sample(cloud, &distinct, found.count, run)?, Some(found.choice)));
+        }
+    };
+    Ok((radii, None))
+}
+
+/// Every sample's distance to the k-th distinct neighbour.
+fn per_sample<const D: usize>(
+    cloud: &Cloud<D>,
+    distinct: &Distinct<D>,
+    count: usize,
+    run: &Run<'_>,
+) -> Result<Radii, Cancelled> {
+    let distances = distinct.distances(count, 1, run)?;
+    let mut radii = vec![f64::NAN; cloud.len()];
+    for (samples, distance) in distinct.groups().zip(distances) {
+        for &i in samples {
+            radii[i as usize] = distance;
         }
     }
+    Ok(Radii::PerSample(radii))
 }
 
 /// k = ⌈n_eff · count/n_eff of the weight⌉ (SPEC § 1).
@@ -170,74 +220,14 @@ fn neighbour_count<const D: usize>(weight: Weight, effective: f64) -> Result<usi
 ///
 /// Taken over at most 50,000 samples, evenly selected. `None` where fewer than two distinct samples exist.
 pub fn spacing<const D: usize>(cloud: &Cloud<D>, run: &Run<'_>) -> Option<f64> {
-    let neighbours = Neighbours::of(cloud, 1).ok()?;
-    let mut distances = neighbours.distances(neighbours.distinct.len().div_ceil(SELECTION), run).ok()?;
-    let middle = distances.len() / 2;
-    Some(*distances.select_nth_unstable_by(middle, f64::total_cmp).1)
+    let distinct = Distinct::of(cloud).ok()?;
+    Some(median(distinct.distances(1, distinct.len().div_ceil(SELECTION), run).ok()?))
 }
 
-/// The k-th distinct neighbours of the usable samples.
-struct Neighbours<'c, const D: usize> {
-    cloud: &'c Cloud<D>,
-    k: NonZero<usize>,
-    /// Usable samples ordered by their coordinates, so that repeats stand together.
-    order: Vec<u32>,
-    /// Where each distinct point begins in `order`.
-    distinct: Vec<usize>,
-}
-
-impl<'c, const D: usize> Neighbours<'c, D> {
-    fn of(cloud: &'c Cloud<D>, k: usize) -> Result<Self, SupportError> {
-        let points = cloud.points();
-        let mut order: Vec<u32> =
-            (0..cloud.len()).filter(|&i| cloud.is_present(i)).map(|i| i as u32).collect();
-        if order.is_empty() {
-            return Err(SupportError::NoSample(cloud.len()));
-        }
-        order.sort_unstable_by(|&a, &b| {
-            let (a, b) = (points[a as usize], points[b as usize]);
-            compare(a, b)
-        });
-        let distinct: Vec<usize> = (0..order.len())
-            .filter(|&j| j == 0 || points[order[j] as usize] != points[order[j - 1] as usize])
-            .collect();
-        if distinct.len() < 2 {
-            return Err(SupportError::Coincident(order.len()));
-        }
-        let k = NonZero::new(k.min(distinct.len() - 1)).unwrap_or(NonZero::<usize>::MIN);
-        Ok(Self { cloud, k, order, distinct })
-    }
-
-    /// The samples at each distinct point.
-    fn groups(&self) -> impl Iterator<Item = &[u32]> {
-        let ends = self.distinct.iter().skip(1).copied().chain([self.order.len()]);
-        self.distinct.iter().zip(ends).map(|(&begin, end)| &self.order[begin..end])
-    }
-
-    /// Distance to the k-th distinct neighbour, for every `stride`-th distinct point.
-    fn distances(&self, stride: usize, run: &Run<'_>) -> Result<Vec<f64>, SupportError> {
-        let position = |j: usize| self.cloud.points()[self.order[self.distinct[j]] as usize];
-        // A power of two brings the extent near one: squares of tiny or huge distances stay in range, and the
-        // distances keep their bits.
-        let extent = (0..D)
-            .map(|k| {
-                let axis = (0..self.distinct.len()).map(|j| position(j)[k]);
-                let (low, high) = axis.fold((f64::MAX, f64::MIN), |(l, h), c| (l.min(c), h.max(c)));
-                high / 2.0 - low / 2.0
-            })
-            .fold(0.0, f64::max);
-        let unit = 2.0_f64.powi(exponent(extent).clamp(-1000, 1000));
-        let points: Vec<[f64; D]> = (0..self.distinct.len()).map(|j| position(j).map(|c| c / unit)).collect();
-        let Ok(tree) = ImmutableKdTree::<f64, D>::new_from_slice(&points) else {
-            return Err(SupportError::Coincident(self.order.len()));
-        };
-        let wanted = self.k.saturating_add(1);
-        Ok(run.map(points.len().div_ceil(stride), |j| {
-            let query = &points[j * stride];
-            let found = tree.query(query).nearest_n::<SquaredEuclidean<f64>>(wanted).execute();
-            found.last().map_or(f64::NAN, |item| item.distance.sqrt() * unit)
-        })?)
-    }
+/// NaN for no value.
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() { f64::NAN } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 #[cfg(test)]
@@ -247,7 +237,7 @@ mod tests {
 
     fn uniform<const D: usize>(cloud: &Cloud<D>, n: f64) -> f64 {
         let auto = Support::Auto { effective_neighbours: n };
-        match choose(cloud, auto, Weight::Poly3, &Run::new()).unwrap() {
+        match choose(cloud, auto, Weight::Poly3, &Run::new()).unwrap().0 {
             Radii::Uniform(h) => h,
             Radii::PerSample(_) => unreachable!(),
         }
