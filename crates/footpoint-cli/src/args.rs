@@ -4,8 +4,8 @@ use crate::print::Verbosity;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use footpoint_jobs::scan::ScanPlan;
 use footpoint_jobs::{
-    Bending, DemoPlan, Extra, NoiseSource, NonOrientable, NormalChoice, NormalField, NormalSource, Operator,
-    OrientBy, OrientPlan, Overwrite, Precision, Recipe, Support, Weight, recipe_of,
+    Bending, DemoPlan, Extra, Kind, NoiseSource, NonOrientable, NormalChoice, NormalField, NormalSource,
+    Operator, OrientBy, OrientPlan, Overwrite, Precision, Recipe, Support, Weight, recipe_of,
 };
 use std::path::PathBuf;
 
@@ -41,6 +41,17 @@ pub(crate) enum Verb {
 }
 
 impl Verb {
+    /// What to compute, with the options that only some verbs have.
+    pub(crate) fn recipe(&self) -> Result<Recipe, String> {
+        let mut recipe = self.common().recipe()?;
+        match self {
+            Self::Demo(a) => a.adjust(&mut recipe),
+            Self::Project(a) => a.adjust(&mut recipe)?,
+            _ => {}
+        }
+        Ok(recipe)
+    }
+
     pub(crate) fn common(&self) -> &Common {
         match self {
             Self::Demo(a) => &a.common,
@@ -78,7 +89,7 @@ impl DemoArguments {
     }
 
     /// The scan's density varies tenfold, so unless told otherwise each sample gets its own support.
-    pub(crate) fn adjust(&self, recipe: &mut Recipe) {
+    fn adjust(&self, recipe: &mut Recipe) {
         if !self.common.chooses_support() && self.common.definition.is_none() {
             let support = Support::AutoPerSample { effective_neighbours: DEMO_EFFECTIVE_NEIGHBOURS };
             recipe.definition = recipe.definition.with_support(support);
@@ -270,6 +281,9 @@ pub(crate) struct ProjectArguments {
     /// Which point of the surface [default: orthogonal]
     #[arg(long, value_enum)]
     operator: Option<OperatorName>,
+    /// Degree of the polynomial of Levin's second step, 0 to 4 [default: step one alone]
+    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u8).range(0..=4))]
+    degree: Option<u8>,
     /// Last step and |f| allowed, in local supports [default: 1e-6]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = positive)]
     tolerance: Option<f64>,
@@ -281,19 +295,26 @@ pub(crate) struct ProjectArguments {
 }
 
 impl ProjectArguments {
-    pub(crate) fn adjust(&self, recipe: &mut Recipe) {
+    fn adjust(&self, recipe: &mut Recipe) -> Result<(), String> {
         let how = recipe.project.get_or_insert_default();
         if let Some(operator) = self.operator {
             *how = how.with_operator(match operator {
                 OperatorName::Basic => Operator::Basic,
                 OperatorName::Almost => Operator::AlmostOrthogonal,
                 OperatorName::Orthogonal => Operator::Orthogonal,
+                OperatorName::Levin => Operator::Levin { degree: None },
             });
+        }
+        match (self.degree, how.operator()) {
+            (None, _) => {}
+            (degree, Operator::Levin { .. }) => *how = how.with_operator(Operator::Levin { degree }),
+            (Some(_), _) => return Err("--degree belongs to --operator levin".to_owned()),
         }
         if let Some(tolerance) = self.tolerance {
             *how = how.with_tolerance(tolerance);
         }
         recipe.query_noise = self.query_noise.or(recipe.query_noise);
+        Ok(())
     }
 }
 
@@ -305,6 +326,8 @@ enum OperatorName {
     Almost,
     /// Along the surface normal at the result: the foot point
     Orthogonal,
+    /// Levin's own, to compare with: the plane that fits best, then --degree over it; slow
+    Levin,
 }
 
 #[derive(Debug, Args)]
@@ -335,6 +358,9 @@ pub(crate) struct Common {
     /// Value below which the Gaussian counts as zero [default: 1e-9]
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
     cut: Option<f64>,
+    /// Definition of the surface [default: pss]
+    #[arg(long, value_enum)]
+    surface: Option<SurfaceName>,
     /// Normal field [default: centred]
     #[arg(long, value_enum)]
     field: Option<FieldName>,
@@ -400,6 +426,14 @@ enum WeightName {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+enum SurfaceName {
+    /// Point set surface: f(x) = n(x)·(x − a(x)), n by --field
+    Pss,
+    /// Levin's surface: where the plane that fits best passes through the point itself
+    Levin,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 enum FieldName {
     /// Smallest covariance about the weighted average
     Centred,
@@ -440,7 +474,7 @@ impl Common {
     }
 
     /// The replayed or the recommended recipe, with the options that were given.
-    pub(crate) fn recipe(&self) -> Result<Recipe, String> {
+    fn recipe(&self) -> Result<Recipe, String> {
         let mut recipe = match &self.definition {
             None => Recipe::default(),
             Some(path) => {
@@ -486,6 +520,14 @@ impl Common {
                 definition = definition.with_weight(Weight::Gaussian { cut });
             }
             (Some(_), _) => return Err("--cut belongs to --weight gaussian".to_owned()),
+        }
+        match (self.surface, definition.kind()) {
+            (Some(SurfaceName::Levin), _) => definition = definition.with_kind(Kind::Levin),
+            (Some(SurfaceName::Pss), Kind::Levin) => definition = definition.with_kind(Kind::default()),
+            _ => {}
+        }
+        if self.field.is_some() && definition.kind() == Kind::Levin {
+            return Err("--field belongs to --surface pss: Levin's frames have covariance about x".to_owned());
         }
         if let Some(field) = self.field {
             definition = definition.with_field(match field {

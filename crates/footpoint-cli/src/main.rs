@@ -32,7 +32,7 @@ fn main() -> ExitCode {
     let progress = progress::Bar::new(common.verbosity());
     let report = |p| progress.show(p);
     let run = Run::new().threads(common.threads).cancel(&cancelled).progress(&report);
-    let result = common.recipe().and_then(|recipe| {
+    let result = arguments.verb.recipe().and_then(|recipe| {
         let context = Context { recipe, overwrite: common.overwrite(), run };
         work(&arguments.verb, context).map_err(|error| explain(&error))
     });
@@ -48,20 +48,14 @@ fn main() -> ExitCode {
 }
 
 /// Runs the job of a verb.
-fn work(verb: &Verb, mut context: Context<'_>) -> Result<Report, JobError> {
+fn work(verb: &Verb, context: Context<'_>) -> Result<Report, JobError> {
     match verb {
-        Verb::Demo(a) => {
-            a.adjust(&mut context.recipe);
-            jobs::demo(&a.plan(), &context)
-        }
+        Verb::Demo(a) => jobs::demo(&a.plan(), &context),
         Verb::Info(a) => jobs::info(&a.input, &context),
         Verb::Evaluate(a) => jobs::evaluate(&a.cloud, &a.at, &a.output, &a.extra(), &context),
         Verb::Normals(a) => jobs::normals(&a.input, &a.output, (a.choice(), a.bending()), &context),
         Verb::Orient(a) => jobs::orient(&a.input, &a.output, &a.plan(), &context),
-        Verb::Project(a) => {
-            a.adjust(&mut context.recipe);
-            jobs::project(&a.input, a.onto.as_deref(), &a.output, &context)
-        }
+        Verb::Project(a) => jobs::project(&a.input, a.onto.as_deref(), &a.output, &context),
     }
 }
 

@@ -207,6 +207,41 @@ fn operators_and_tolerance() {
 }
 
 #[test]
+fn levins_surface_and_levins_projection() {
+    let folder = folder();
+    let (plain, _) = evaluate(&folder, "");
+    let (levin, report) = evaluate(&folder, "--surface levin");
+    let (covariance, _) = evaluate(&folder, "--field covariance");
+    assert_eq!(report["definition"]["kind"], "levin");
+    assert_eq!(evaluate(&folder, "--surface pss").0, plain, "pss is the default");
+    all_differ(&[plain.clone(), levin.clone(), covariance]);
+    folder.write("levin.json", serde_json::to_string(&report).unwrap());
+    assert_eq!(evaluate(&folder, "--definition levin.json").0, levin);
+    assert_eq!(evaluate(&folder, "--definition levin.json --surface pss").0, plain);
+    for wrong in ["--surface levin --field centred", "--definition levin.json --field axes"] {
+        let ran = folder.run(&format!("evaluate cloud.csv --at queries.csv -o no.csv {wrong}"));
+        assert!(ran.code == 2 && ran.stderr.contains("--field belongs to --surface pss"), "{ran:?}");
+    }
+
+    let step_one = project(&folder, "--operator levin").0;
+    let mut outputs = vec![project(&folder, "").0, project(&folder, "--surface levin").0, step_one.clone()];
+    for degree in 0..=4 {
+        let (output, report) = project(&folder, &format!("--operator levin --degree {degree}"));
+        assert_eq!(report["project"]["operator"]["levin"]["degree"], degree);
+        outputs.push(output);
+        folder.write("degree.json", serde_json::to_string(&report).unwrap());
+    }
+    all_differ(&outputs);
+    assert_eq!(project(&folder, "--definition degree.json").0, outputs[7]);
+    assert_eq!(project(&folder, "--definition degree.json --degree 2").0, outputs[5]);
+    assert_eq!(project(&folder, "--definition degree.json --operator levin").0, step_one);
+    assert_eq!(project(&folder, "--operator levin --surface levin").0, step_one);
+    let ran = folder.run("project cloud.csv -o no.csv --degree 2");
+    assert!(ran.code == 2 && ran.stderr.contains("--degree belongs to --operator levin"), "{ran:?}");
+    assert_eq!(folder.run("project cloud.csv -o no.csv --operator levin --degree 5").code, 2);
+}
+
+#[test]
 fn onto_names_another_cloud() {
     let folder = folder();
     let own = folder.report("project queries.csv -o own.csv");

@@ -19,6 +19,10 @@ pub enum Kind {
         /// The normal field n.
         field: NormalField,
     },
+    /// Levin's surface: where the plane that fits the samples best (eq. 16) passes through x itself. With n = v0(W(x)) of
+    /// covariance about x it is f_L(x) = −G/S = 0, G = Σθ(n·d) + ½Σψ(n·d)³ (SPEC § 7). f_L holds a derivative of the
+    /// weight: its curvature is continuous from `Poly4` on.
+    Levin,
 }
 
 impl Default for Kind {
@@ -87,7 +91,13 @@ impl Definition {
         Self::default()
     }
 
-    /// Takes this normal field.
+    /// Takes this kind of surface.
+    pub fn with_kind(mut self, kind: Kind) -> Self {
+        self.kind = kind;
+        self
+    }
+
+    /// The point set surface with this normal field.
     pub fn with_field(mut self, field: NormalField) -> Self {
         self.kind = Kind::PointSet { field };
         self
@@ -128,10 +138,12 @@ impl Definition {
         self.kind
     }
 
-    /// The normal field.
+    /// The normal field; covariance about x is part of Levin's surface.
     pub fn field(&self) -> NormalField {
-        let Kind::PointSet { field } = self.kind;
-        field
+        match self.kind {
+            Kind::PointSet { field } => field,
+            Kind::Levin => NormalField::Covariance,
+        }
     }
 
     /// The weight.

@@ -68,7 +68,7 @@ impl BitOr for Want {
 /// exist at a point is NaN there, and the status says why.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evaluations<const D: usize> {
-    /// f, a length: the distance along n to the weighted average.
+    /// f, a length: the distance along n to the weighted average; f_L for Levin's surface.
     pub value: Vec<f64>,
     /// a, the weighted average.
     pub average: Vec<[f64; D]>,

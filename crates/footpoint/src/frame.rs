@@ -2,7 +2,7 @@
 
 use crate::algebra::{Matrix, Vector, add, add_scaled, dot, each, scale, tangential, zero};
 use crate::eigen::{mirrored, pseudo_inverse, smallest, trace};
-use crate::engine::{Frame, FrameSums};
+use crate::engine::{Frame, FrameSums, LevinSums};
 use crate::field::NormalField;
 use crate::lane::{Lane, Number};
 
@@ -91,4 +91,57 @@ pub(crate) fn gradient<L: Lane, const D: usize>(
         }
         _ => add(n, sum),
     }
+}
+
+/// Levin's surface at a frame (SPEC § 7).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LevinFit<L, const D: usize> {
+    /// Its turn is q_L = P w.
+    pub(crate) frame: Frame<L, D>,
+    /// f_L.
+    pub(crate) value: L,
+    /// 1 + (3/2) Σψ(n·d)²/S: how steeply f_L rises along n with the heights alone.
+    pub(crate) steepness: L,
+}
+
+impl<L: Copy, const D: usize> LevinFit<L, D> {
+    #[inline(always)]
+    pub(crate) fn map<M: Copy>(self, f: impl Fn(L) -> M + Copy) -> LevinFit<M, D> {
+        LevinFit { frame: self.frame.map(f), value: f(self.value), steepness: f(self.steepness) }
+    }
+}
+
+/// f_L and what its second pass needs, from the frame about x and the sums that follow it.
+#[inline(always)]
+pub(crate) fn fit_levin<L: Lane, const D: usize>(
+    sums: &FrameSums<L, D>,
+    fit: &Fit<L, D>,
+    levin: &LevinSums<L, D>,
+) -> LevinFit<L, D> {
+    let inverse = sums.weight.like(1.0) / sums.weight;
+    let number = |value: f64| inverse.like(value);
+    let Frame { normal, aside, .. } = fit.frame;
+    let cubes = scale(levin.cubes, inverse);
+    // With A and w both over S, P w keeps its size.
+    let matrix: Matrix<L, D> = each(|i| scale(sums.second[i], inverse));
+    let w = add_scaled(aside, cubes, number(1.5));
+    let turn = pseudo_inverse(matrix, fit.eigenvalues[0] * inverse, normal, w);
+    LevinFit {
+        frame: Frame { normal, aside, turn },
+        value: -dot(normal, add_scaled(aside, cubes, number(0.5))),
+        steepness: (levin.squares * inverse).mul_add(number(1.5), number(1.0)),
+    }
+}
+
+/// ∇f_L from its second pass: SPEC § 7, with the part of Jᵀw that is no sum in closed form.
+#[inline(always)]
+pub(crate) fn levin_gradient<L: Lane, const D: usize>(
+    levin: &LevinFit<L, D>,
+    weight: L,
+    second: Vector<L, D>,
+) -> Vector<L, D> {
+    let Frame { normal: n, aside: u, turn: q } = levin.frame;
+    let sum = scale(second, weight.like(1.0) / weight);
+    let closed = add_scaled(scale(n, levin.steepness - dot(q, u)), q, -dot(n, u));
+    add(closed, sum)
 }

@@ -40,6 +40,7 @@ mod field;
 mod frame;
 mod grid;
 mod lane;
+mod least_squares;
 mod neighbours;
 mod noise;
 mod orient;

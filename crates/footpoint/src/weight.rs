@@ -1,7 +1,7 @@
-//! The weights θ and their derivatives ψ = θ'(r)/r, as functions of s² = (r/h)².
+//! The weights θ and their derivatives ψ = θ'(r)/r and χ = ψ'(r)/r, as functions of s² = (r/h)².
 
 use crate::algebra::{Vector, dot};
-use crate::lane::{Lane, exp_of_negative};
+use crate::lane::{Lane, Number, exp_of_negative};
 
 /// The weight function θ (SPEC § 1): smooth, positive inside the support radius h, falling to zero at it.
 ///
@@ -91,7 +91,7 @@ impl Weight {
 }
 
 /// One weight inside the hot loop, in two steps: the *closeness* of a sample, zero outside the support, is kept from the
-/// first pass to the second; θ and ψ are functions of it.
+/// first pass to the second; θ, ψ and χ are functions of it.
 pub(crate) trait Kernel: Copy + Sync {
     /// Where the support ends, in s².
     fn end(self) -> f64;
@@ -99,6 +99,8 @@ pub(crate) trait Kernel: Copy + Sync {
     fn theta<L: Lane>(self, closeness: L) -> L;
     /// h² ψ.
     fn psi<L: Lane>(self, closeness: L) -> L;
+    /// h⁴ χ. Finite at s = 0 even where χ is not: there it meets factors that vanish.
+    fn chi<L: Lane>(self, closeness: L) -> L;
 
     /// Closeness in a cloud of one support radius, up to a constant; `square` is h² and `inverse` 1/h².
     #[inline(always)]
@@ -153,6 +155,16 @@ impl Kernel for Poly {
         power(closeness, self.exponent - 1) * closeness.like(-2.0 * self.exponent as f64)
     }
     #[inline(always)]
+    fn chi<L: Lane>(self, closeness: L) -> L {
+        let (zero, one) = (closeness.like(0.0), closeness.like(1.0));
+        let rest = match self.exponent {
+            // A step at the end of the support.
+            2 => L::select(zero.less(closeness), one, zero),
+            _ => power(closeness, self.exponent - 2),
+        };
+        rest * closeness.like((4 * self.exponent * (self.exponent - 1)) as f64)
+    }
+    #[inline(always)]
     fn uniform_closeness<L: Lane, const D: usize>(self, d: Vector<L, D>, square: L, _inverse: L) -> L {
         d.iter().fold(square, |rest, &c| (-c).mul_add(c, rest)).max(square.like(0.0))
     }
@@ -180,6 +192,11 @@ impl Kernel for Wendland {
     fn psi<L: Lane>(self, closeness: L) -> L {
         power(closeness, 3) * closeness.like(-20.0)
     }
+    #[inline(always)]
+    fn chi<L: Lane>(self, closeness: L) -> L {
+        let s = (closeness.like(1.0) - closeness).max(closeness.like(L::Number::EPSILON));
+        power(closeness, 2) * closeness.like(60.0) / s
+    }
 }
 
 /// Closeness θ itself.
@@ -199,6 +216,10 @@ impl Kernel for Gaussian {
     #[inline(always)]
     fn psi<L: Lane>(self, closeness: L) -> L {
         closeness * closeness.like(-2.0)
+    }
+    #[inline(always)]
+    fn chi<L: Lane>(self, closeness: L) -> L {
+        closeness * closeness.like(4.0)
     }
 }
 
@@ -258,6 +279,25 @@ mod tests {
             // At a sample nothing divides by r.
             assert!(with_kernel!(weight, k => k.psi(k.closeness(0.0))).is_finite());
             assert_eq!(theta(0.0), 1.0);
+        }
+    }
+
+    #[test]
+    fn chi_is_the_derivative_of_psi_over_r() {
+        for weight in ALL {
+            let psi = |s: f64| with_kernel!(weight, k => k.psi(k.closeness(s * s)));
+            let chi = |s: f64| with_kernel!(weight, k => k.chi(k.closeness(s * s)));
+            let step = 1e-5;
+            for i in 1..100 {
+                let s = f64::from(i) / 100.0 * weight.reach();
+                if s + step >= weight.reach() {
+                    continue;
+                }
+                let slope = (psi(s + step) - psi(s - step)) / (2.0 * step);
+                assert!((chi(s) * s - slope).abs() < 2e-8, "{weight:?} at {s}: {} {slope}", chi(s) * s);
+            }
+            assert!(chi(0.0).is_finite());
+            assert_eq!(chi(1.001 * weight.reach()), 0.0);
         }
     }
 

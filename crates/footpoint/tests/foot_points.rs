@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Columns, FIELDS, across, dot, largest, length, median, near_samples, sub};
+use common::{Columns, FIELDS, across, definitions, dot, largest, length, median, near_samples, sub};
 use footpoint::samples::{self, Samples};
 use footpoint::{Definition, Evaluations, NormalField, Operator, Project, Projections, Sign, Surface, Want};
 
@@ -45,8 +45,8 @@ impl<const D: usize> Projected<D> {
 fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
     let columns = Columns::new(shape, radius, common::Variant::PerSample);
     let queries = near_samples(&columns.points, 1000, 0.2 * radius, 9);
-    for field in FIELDS {
-        let surface = columns.field(field);
+    for definition in definitions() {
+        let (surface, field) = (columns.surface(definition), definition.kind());
         for operator in common::OPERATORS {
             let p = Projected::new(&surface, &queries, operator);
             let value = p.largest(|i| p.there.value[i].abs());

@@ -5,8 +5,8 @@ mod common;
 
 use common::{dot, length, numbers, scale, shared, sub, vector, vectors};
 use footpoint::{
-    Acceptance, Cloud, Definition, Evaluations, NormalField, Operator, Project, Status, Support, Surface,
-    Want, Weight,
+    Acceptance, Cloud, Definition, Evaluations, Kind, NormalField, Operator, Project, Status, Support,
+    Surface, Want, Weight,
 };
 use serde_json::Value;
 
@@ -54,7 +54,10 @@ fn definition(case: &Value, cut: f64) -> Definition {
 
 impl<const D: usize> Golden<D> {
     fn surface(&self, case: &Value, cut: f64) -> Surface<D> {
-        let definition = definition(case, cut);
+        self.surface_of(case, definition(case, cut))
+    }
+
+    fn surface_of(&self, case: &Value, definition: Definition) -> Surface<D> {
         let axes = definition.field() == NormalField::AveragedAxes;
         let mut cloud = if axes { self.axes.clone() } else { self.cloud.clone() };
         let half = if case["weight"] == "gaussian" { 0.5 } else { 1.0 };
@@ -89,6 +92,7 @@ fn check<const D: usize>(name: &str) {
             evaluation(&golden, case, 1e-12, 1e-9, &label);
         }
         projections(&golden, case, &label);
+        levin(&golden, case, &label);
     }
 }
 
@@ -154,6 +158,46 @@ fn second_derivatives<const D: usize>(case: &Value, e: &Evaluations<D>, sign: f6
         let bound = bound * (size / steep) * (size / steep);
         close(gaussian, expected, bound, &format!("{label} Gaussian curvature"));
     }
+}
+
+/// Σψ d over all samples, which takes the gradient of f_L = −G/S to that of G.
+fn sum_of_slopes<const D: usize>(surface: &Surface<D>, x: [f64; D]) -> [f64; D] {
+    let cloud = surface.cloud();
+    let mut sum = [0.0; D];
+    for (i, &p) in cloud.points().iter().enumerate() {
+        let d = sub(p, x);
+        let h = cloud.supports().map_or(surface.support().median, |supports| supports[i]);
+        let s2 = dot(d, d) / (h * h);
+        let rest = (1.0 - s2).max(0.0);
+        let slope = match surface.definition().weight() {
+            Weight::Poly2 => -4.0 * rest,
+            Weight::Poly3 => -6.0 * rest.powi(2),
+            Weight::Poly4 => -8.0 * rest.powi(3),
+            Weight::Wendland => -20.0 * (1.0 - s2.sqrt()).max(0.0).powi(3),
+            _ => -2.0 * (-s2).exp(),
+        };
+        let factor = cloud.factors().map_or(1.0, |factors| factors[i]);
+        sum = common::add(sum, scale(d, factor * slope / (h * h)));
+    }
+    sum
+}
+
+fn levin<const D: usize>(golden: &Golden<D>, case: &Value, label: &str) {
+    let Some(f) = case["levin"]["f"].as_f64() else { return };
+    let surface = golden.surface_of(case, definition(case, 1e-16).with_kind(Kind::Levin));
+    let x = vector::<D>(&case["x"]);
+    let e = surface.evaluate(&[x], Want::ALL);
+    assert_eq!(e.status[0], Status::Ok, "{label}");
+    let sign = dot(e.frame_normal[0], vector(&case["n"])).signum();
+    close(sign * e.value[0], f, 1e-11 * e.support[0], &format!("{label} f_L"));
+    let weight = e.weight_sum[0];
+    let g = case["levin"]["G"].as_f64().unwrap();
+    close(-sign * e.value[0] * weight, g, 1e-11 * e.support[0] * weight, &format!("{label} G"));
+    let slopes = scale(sum_of_slopes(&surface, x), e.value[0]);
+    let found = scale(sub(slopes, scale(e.gradient[0], weight)), sign);
+    let expected = vector::<D>(&case["levin"]["gradient_of_G"]);
+    let bound = 1e-11 * weight * length(e.gradient[0]).max(1.0);
+    close(length(sub(found, expected)), 0.0, bound, &format!("{label} gradient of G"));
 }
 
 fn projections<const D: usize>(golden: &Golden<D>, case: &Value, label: &str) {

@@ -3,9 +3,11 @@
 
 mod common;
 
-use common::{Columns, FIELDS, VARIANTS, WEIGHTS, add, dot, largest, length, near_samples, scale, sub};
+use common::{
+    Columns, FIELDS, VARIANTS, WEIGHTS, add, differences, dot, largest, length, near_samples, scale, sub,
+};
 use footpoint::samples::{self, Samples};
-use footpoint::{Definition, NormalField, Surface, Want, Weight};
+use footpoint::{Definition, NormalField, Want, Weight};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use num_dual::{Dual64, DualNum};
 
@@ -92,25 +94,6 @@ fn brute_force<T: DualNum<Primitive = f64> + Copy, const D: usize>(
     };
     let sign = if (0..D).map(|k| n[k].re() * like[k]).sum::<f64>() < 0.0 { 1.0 } else { -1.0 };
     (0..D).fold(zero, |s, k| s + n[k] * u[k]) * sign
-}
-
-/// ∂f/∂x_k by differences of the fourth order; `None` where a sample enters or leaves a support on the way.
-fn differences<const D: usize>(surface: &Surface<D>, x: [f64; D], n: [f64; D], h: f64) -> Option<[f64; D]> {
-    let step = 3e-4 * h;
-    let mut gradient = [0.0; D];
-    for k in 0..D {
-        let shifted: Vec<[f64; D]> = [-2.0, -1.0, 1.0, 2.0]
-            .iter()
-            .map(|times| add(x, std::array::from_fn(|j| if j == k { times * step } else { 0.0 })))
-            .collect();
-        let e = surface.evaluate(&shifted, Want::VALUE | Want::FRAME_NORMAL | Want::NEIGHBOURS);
-        if e.neighbours.iter().any(|&count| count != e.neighbours[0]) {
-            return None;
-        }
-        let f = |j: usize| e.value[j] * dot(e.frame_normal[j], n).signum();
-        gradient[k] = (f(0) - 8.0 * f(1) + 8.0 * f(2) - f(3)) / (12.0 * step);
-    }
-    Some(gradient)
 }
 
 /// Largest errors of all settings: against dual numbers, value against brute force, against differences.

@@ -4,8 +4,8 @@
 mod common;
 
 use common::{
-    Columns, FIELDS, OPERATORS, Row, VARIANTS, Variant, WEIGHTS, add, evaluation_rows, length, near_samples,
-    projection_rows, same_rows, scale, shuffled, sub,
+    Columns, FIELDS, OPERATORS, Row, VARIANTS, Variant, WEIGHTS, add, definitions, evaluation_rows, length,
+    near_samples, projection_rows, same_rows, scale, shuffled, sub,
 };
 use footpoint::samples::{self, Random, Samples};
 use footpoint::{Definition, Project, Queries, Run, Surface, Want};
@@ -111,10 +111,9 @@ fn check<const D: usize>(columns: &Columns<D>, definition: Definition, label: &s
 
 fn every_field<const D: usize>(shape: &Samples<D>, radius: f64) {
     for variant in VARIANTS {
-        for field in FIELDS {
+        for definition in definitions() {
             let columns = Columns::new(shape, radius, variant);
-            let definition = Definition::new().with_field(field);
-            check(&columns, definition, &format!("D = {D} {variant:?} {field:?}"));
+            check(&columns, definition, &format!("D = {D} {variant:?} {:?}", definition.kind()));
         }
     }
 }

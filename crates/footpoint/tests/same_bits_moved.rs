@@ -3,7 +3,7 @@
 mod common;
 
 use common::{
-    Columns, FIELDS, OPERATORS, Row, VARIANTS, Variant, WEIGHTS, add, evaluation_rows, near_samples,
+    Columns, OPERATORS, Row, VARIANTS, Variant, WEIGHTS, add, definitions, evaluation_rows, near_samples,
     projection_rows, same_rows, without_locations,
 };
 use footpoint::samples::{self, Samples};
@@ -59,9 +59,9 @@ fn moved<const D: usize>(columns: &Columns<D>, definition: Definition, label: &s
 
 #[test]
 fn moved_by_whole_cells() {
-    for field in FIELDS {
+    for definition in definitions() {
         for variant in VARIANTS {
-            let definition = Definition::new().with_field(field);
+            let field = definition.kind();
             let torus = grained(samples::torus(1.0, 0.4, 1500, 1).with_noise(0.01, 2));
             // 0.24 lies inside a power of two, 0.25 is one.
             for radius in [0.24, 0.25] {
@@ -116,9 +116,9 @@ fn scaled<const D: usize>(columns: &Columns<D>, definition: Definition, label: &
 
 #[test]
 fn scaled_by_powers_of_two() {
-    for field in FIELDS {
+    for definition in definitions() {
         for variant in VARIANTS {
-            let definition = Definition::new().with_field(field);
+            let field = definition.kind();
             let torus = Columns::new(&samples::torus(1.0, 0.4, 1500, 1).with_noise(0.01, 2), 0.24, variant);
             scaled(&torus, definition, &format!("torus {field:?} {variant:?}"));
             let ellipse = Columns::new(&samples::ellipse(1.0, 0.6, 400, 3), 0.15, variant);

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Columns, FIELDS, Variant, WEIGHTS, add, dot, length, near_samples, scale, sub};
+use common::{Columns, Variant, WEIGHTS, add, definitions, dot, length, near_samples, scale, sub};
 use footpoint::samples::{self, Samples};
 use footpoint::{Definition, Want, Weight};
 
@@ -52,8 +52,8 @@ fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
             for (q, x) in near_samples(&whole.points, count, 0.3 * radius, 8).into_iter().enumerate() {
                 let near = (0..whole.points.len()).filter(|&i| length(sub(whole.points[i], x)) < reach);
                 let columns = whole.select(&near.collect::<Vec<_>>());
-                for field in FIELDS {
-                    let definition = Definition::new().with_weight(weight).with_field(field);
+                for definition in definitions() {
+                    let definition = definition.with_weight(weight);
                     let e = columns.surface(definition).evaluate(&[x], Want::ALL);
                     if e.gap[0] < 0.1 {
                         continue;
@@ -70,7 +70,8 @@ fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
                         length(sub(scale(sum, -1.0), gradient)) / length(gradient).max(1.0),
                     ];
                     for (j, what) in ["sum of squares", "−ΣG = ∇f"].into_iter().enumerate() {
-                        let case = format!("{what}: {weight:?} {field:?} {variant:?} query {q}");
+                        let case =
+                            format!("{what}: {weight:?} {:?} {variant:?} query {q}", definition.kind());
                         assert!(errors[j] <= 1e-8, "{case}: {:e}", errors[j]);
                         worst[j] = worst[j].max(errors[j]);
                     }

@@ -1,11 +1,13 @@
 //! The engine: weighted sums over the samples around a block of positions. All else is closed algebra on them.
 
 mod candidates;
+mod levin;
 #[cfg(test)]
 pub(crate) mod oracle;
 mod sums;
 
 pub(crate) use candidates::{Candidates, Culled, Extent};
+pub(crate) use levin::{LevinSums, levin_second_pass, levin_sensitivity, levin_share, levin_sums};
 pub(crate) use sums::{
     Frame, FrameSums, General, List, Mode, Moved, Place, Plain, Position, Resting, Statistics, Weighted,
     first_pass, second_pass, sensitivity, sensitivity_to, statistics,

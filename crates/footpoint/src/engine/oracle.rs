@@ -85,3 +85,53 @@ pub(crate) fn evaluate<const D: usize>(
     });
     Answer { value: -dot(n, u), normal: n, gradient, average: add(x, u) }
 }
+
+/// f_L, n and ∇f_L of Levin's surface as SPEC § 7 writes them, with the whole of J.
+pub(crate) fn levin<const D: usize>(samples: &[Sample<D>], weight: Weight, x: [f64; D]) -> Answer<D> {
+    let terms: Vec<([f64; D], [f64; 3])> = samples
+        .iter()
+        .map(|&(p, _, h, factor)| {
+            let d = sub(p, x);
+            let weights = with_kernel!(weight, k => {
+                let closeness = k.closeness(dot(d, d) / (h * h));
+                [k.theta(closeness), k.psi(closeness) / (h * h), k.chi(closeness) / (h * h * h * h)]
+            });
+            (d, weights.map(|w| factor * w))
+        })
+        .collect();
+    let (mut s, mut m, mut psi_sum, mut w) = (0.0, [0.0; D], [0.0; D], [[0.0; D]; D]);
+    for &(d, [theta, psi, _]) in &terms {
+        s += theta;
+        m = add(m, scale(d, theta));
+        psi_sum = add(psi_sum, scale(d, psi));
+        w = std::array::from_fn(|i| add(w[i], scale(d, theta * d[i])));
+    }
+    let pairs = eigen(w);
+    let n = pairs.vectors[0];
+    let (mut g, mut g_gradient, mut squares, mut cubes) = (0.0, scale(n, -s), 0.0, [0.0; D]);
+    // (∂W/∂x_k) n, a row for each k.
+    let mut turned: Matrix<f64, D> = std::array::from_fn(|k| scale(m, -n[k]));
+    for &(d, [theta, psi, chi]) in &terms {
+        let z = dot(n, d);
+        g += theta * z + 0.5 * psi * z * z * z;
+        squares += psi * z * z;
+        cubes = add(cubes, scale(d, psi * z * z));
+        g_gradient = sub(g_gradient, scale(d, psi * z + 0.5 * chi * z * z * z));
+        turned = std::array::from_fn(|k| sub(turned[k], scale(d, psi * d[k] * z)));
+    }
+    for k in 0..D {
+        turned[k][k] -= dot(m, n);
+    }
+    g_gradient = sub(g_gradient, scale(n, 1.5 * squares));
+    let across = add(m, scale(cubes, 1.5));
+    for k in 0..D {
+        let dn = (1..D).fold([0.0; D], |total, j| {
+            let v = pairs.vectors[j];
+            sub(total, scale(v, dot(v, turned[k]) / (pairs.values[j] - pairs.values[0])))
+        });
+        g_gradient[k] += dot(dn, across);
+    }
+    let value = -g / s;
+    let gradient = sub(scale(psi_sum, value / s), scale(g_gradient, 1.0 / s));
+    Answer { value, normal: n, gradient, average: add(x, scale(m, 1.0 / s)) }
+}

@@ -142,7 +142,7 @@ impl<L: Copy, const D: usize> Frame<L, D> {
 
 /// `p − x` for the sample at place j.
 #[inline(always)]
-fn to_sample<L: Lane, M: Mode, const D: usize>(
+pub(super) fn to_sample<L: Lane, M: Mode, const D: usize>(
     points: &[&[L::Number]; D],
     j: usize,
     x: &Place<L, D>,
@@ -172,7 +172,7 @@ fn closeness<L: Lane, K: Kernel, M: Mode, const D: usize>(
 
 /// Columns cut to one length, so that one comparison proves that a place is in all of them.
 #[inline(always)]
-fn cut<T, const D: usize>(columns: &[Vec<T>; D], length: usize) -> [&[T]; D] {
+pub(super) fn cut<T, const D: usize>(columns: &[Vec<T>; D], length: usize) -> [&[T]; D] {
     each(|k| &columns[k][..length])
 }
 
@@ -454,7 +454,7 @@ fn squares<L: Lane, K: Kernel, const D: usize, const FIELD: u8>(
 
 /// vᵀ C v for the sample at place j: nothing, a variance or the upper triangle of a covariance.
 #[inline(always)]
-fn norm_by<L: Lane, const D: usize>(noise: &[Vec<L::Number>], j: usize, v: Vector<L, D>) -> L {
+pub(super) fn norm_by<L: Lane, const D: usize>(noise: &[Vec<L::Number>], j: usize, v: Vector<L, D>) -> L {
     let token = v[0].token();
     let entry = |column: usize| L::broadcast(token, noise[column][j]);
     match noise.len() {
@@ -517,7 +517,7 @@ pub(crate) fn sensitivity_to<const D: usize>(
 
 /// n − g (n·e) − n (g·e).
 #[inline(always)]
-fn turned<L: Lane, const D: usize>(frame: &Frame<L, D>, e: Vector<L, D>) -> Vector<L, D> {
+pub(super) fn turned<L: Lane, const D: usize>(frame: &Frame<L, D>, e: Vector<L, D>) -> Vector<L, D> {
     let (n, g) = (frame.normal, frame.turn);
     add_scaled(sub(n, scale(g, dot(n, e))), n, -dot(g, e))
 }

@@ -1,7 +1,7 @@
 //! What is known at the positions of a block, and the rules that read it.
 
 use super::batch::Task;
-use crate::algebra::{Matrix, add, dot, length, scale};
+use crate::algebra::{Matrix, dot, length, tangential};
 use crate::definition::Definition;
 use crate::field::NormalField;
 use crate::lane::Number;
@@ -244,9 +244,9 @@ impl<const D: usize> Local<D> {
         dot(self.normal, self.gradient)
     }
 
-    /// The part of a − x across n: its part along n is f, and only the rest tells of a rim.
+    /// The part of a − x across n: only this tells of a rim.
     pub(crate) fn across(&self) -> f64 {
-        length(add(self.aside, scale(self.normal, self.value)))
+        length(tangential(self.aside, self.normal))
     }
 
     /// Whether ∇f has a direction.

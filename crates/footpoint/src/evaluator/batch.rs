@@ -6,13 +6,15 @@
 mod hessian;
 
 use super::answers::{Answers, LANES};
+use super::levin;
 use crate::algebra::{dot, each};
+use crate::definition::Kind;
 use crate::engine::{
     Candidates, Culled, Extent, Frame, FrameSums, General, List, Mode, Moved, Place, Plain, Position,
     Resting, Statistics, first_pass, second_pass, sensitivity, statistics,
 };
 use crate::field::NormalField;
-use crate::frame::{Fit, fit, gradient};
+use crate::frame::{Fit, LevinFit, fit, gradient, levin_gradient};
 use crate::grid::Grid;
 use crate::lane::{Lane, Number, vectorized};
 use crate::weight::{Kernel, Weight, with_kernel};
@@ -32,6 +34,7 @@ const PLACES: usize = 1 << 15;
 pub(super) struct Task {
     pub(super) level: Level,
     pub(super) weight: Weight,
+    pub(super) kind: Kind,
     pub(super) field: NormalField,
     pub(super) domain_ratio: f64,
     /// Supports or factors differ.
@@ -68,7 +71,7 @@ impl Task {
 
 /// Positions of a block.
 #[derive(Debug)]
-struct Block<N: Number, const D: usize> {
+pub(super) struct Block<N: Number, const D: usize> {
     anchor: [N::Slot; D],
     offset: [N::Slot; D],
     /// What single precision rounded away.
@@ -89,15 +92,15 @@ pub(super) fn taken_at<N: Culled, const D: usize>(position: &Position<D>) -> ([f
 
 /// One vector's share of a block, and what the stages leave for each other.
 #[derive(Debug)]
-struct Unit<N: Number, const D: usize> {
-    block: usize,
+pub(super) struct Unit<N: Number, const D: usize> {
+    pub(super) block: usize,
     /// Its first lane in the block.
-    lane: usize,
-    sums: FrameSums<N::Slot, D>,
+    pub(super) lane: usize,
+    pub(super) sums: FrameSums<N::Slot, D>,
     statistics: Statistics<N::Slot>,
-    fit: Fit<N::Slot, D>,
-    second: [N::Slot; D],
-    sensitivity: [N::Slot; 2],
+    pub(super) fit: Fit<N::Slot, D>,
+    pub(super) second: [N::Slot; D],
+    pub(super) sensitivity: [N::Slot; 2],
 }
 
 impl<N: Number, const D: usize> Unit<N, D> {
@@ -122,13 +125,15 @@ impl<N: Number, const D: usize> Unit<N, D> {
 #[derive(Debug)]
 pub(super) struct Batch<N: Number, const D: usize> {
     pub(super) candidates: Candidates<N, D>,
-    blocks: Vec<Block<N, D>>,
+    pub(super) blocks: Vec<Block<N, D>>,
     boxes: Vec<Extent<D>>,
-    units: Vec<Unit<N, D>>,
+    pub(super) units: Vec<Unit<N, D>>,
+    /// One a unit for Levin's surface; empty for others.
+    pub(super) levin: Vec<LevinFit<N::Slot, D>>,
     places: Vec<u32>,
     ends: Vec<usize>,
     /// Closeness of every candidate to every position, unit by unit.
-    kept: Vec<N::Slot>,
+    pub(super) kept: Vec<N::Slot>,
     turnings: Turnings<N, D>,
     answers: Vec<Answers<D>>,
 }
@@ -140,6 +145,7 @@ impl<N: Culled, const D: usize> Batch<N, D> {
             blocks: Vec::new(),
             boxes: Vec::new(),
             units: Vec::new(),
+            levin: Vec::new(),
             places: Vec::new(),
             ends: Vec::new(),
             kept: Vec::new(),
@@ -219,7 +225,7 @@ impl<N: Culled, const D: usize> Batch<N, D> {
     }
 
     /// The part of the list that belongs to a block.
-    fn list(&self, block: usize) -> List<'_, N, D> {
+    pub(super) fn list(&self, block: usize) -> List<'_, N, D> {
         let begin = if block == 0 { 0 } else { self.ends[block - 1] };
         List { columns: &self.candidates.columns, places: &self.places[begin..self.ends[block]] }
     }
@@ -232,6 +238,9 @@ impl<N: Culled, const D: usize> Batch<N, D> {
 fn run_stages(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
     fn sized<N: Culled, const D: usize>(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) {
         let Some(batch) = batch.downcast_mut::<Batch<N, D>>() else { return };
+        if task.kind == Kind::Levin {
+            return levin::stages::<N, D>(task, batch, announce);
+        }
         // Positions of 32 bits have no offset: they lie on the lattice.
         match (task.varied, task.moved && N::HAS_OFFSETS) {
             (true, true) => stages::<N, General, D>(task, batch, announce),
@@ -251,15 +260,29 @@ fn stages<N: Culled, M: Mode, const D: usize>(
     batch: &mut Batch<N, D>,
     announce: &dyn Fn(usize, Pass),
 ) {
-    with_kernel!(task.weight, kernel => {
-        vectorized!(task.level, simd => value_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, (batch, announce)));
-    });
-    vectorized!(task.level, simd => frames::<N::Lanes<_>, N, D>(simd, task, batch));
+    begin::<N, M, D>(task, batch, announce);
     if task.gradient {
         with_kernel!(task.weight, kernel => {
             vectorized!(task.level, simd => gradient_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, (batch, announce)));
         });
     }
+    end(task, batch);
+}
+
+/// The stages up to the frames.
+pub(super) fn begin<N: Culled, M: Mode, const D: usize>(
+    task: &Task,
+    batch: &mut Batch<N, D>,
+    announce: &dyn Fn(usize, Pass),
+) {
+    with_kernel!(task.weight, kernel => {
+        vectorized!(task.level, simd => value_sums::<N::Lanes<_>, N, _, M, D>(simd, kernel, task, (batch, announce)));
+    });
+    vectorized!(task.level, simd => frames::<N::Lanes<_>, N, D>(simd, task, batch));
+}
+
+/// The last stages.
+pub(super) fn end<N: Culled, const D: usize>(task: &Task, batch: &mut Batch<N, D>) {
     if task.hessian {
         hessians::<N, D>(task, batch);
     }
@@ -267,11 +290,11 @@ fn stages<N: Culled, M: Mode, const D: usize>(
 }
 
 /// The lane scalar that goes with a number.
-trait Of<N: Number>: Lane<Number = N, Slot = N::Slot> {}
+pub(super) trait Of<N: Number>: Lane<Number = N, Slot = N::Slot> {}
 impl<N: Number, L: Lane<Number = N, Slot = N::Slot>> Of<N> for L {}
 
 #[inline(always)]
-fn stored<N: Number, L: Of<N>>(value: L) -> N::Slot {
+pub(super) fn stored<N: Number, L: Of<N>>(value: L) -> N::Slot {
     let mut slot = N::ZERO_SLOT;
     value.store(&mut slot);
     slot
@@ -279,7 +302,7 @@ fn stored<N: Number, L: Of<N>>(value: L) -> N::Slot {
 
 /// The positions of a unit.
 #[inline(always)]
-fn place<N: Number, L: Of<N>, const D: usize>(
+pub(super) fn place<N: Number, L: Of<N>, const D: usize>(
     token: L::Token,
     block: &Block<N, D>,
     lane: usize,
@@ -369,7 +392,8 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
 #[inline(always)]
 fn answers<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, batch: &mut Batch<N, D>) {
     let load = |slot: N::Slot| L::load(token, &slot);
-    for unit in &batch.units {
+    for (number, unit) in batch.units.iter().enumerate() {
+        let levin = batch.levin.get(number).map(|levin| levin.map(load));
         let out = &mut batch.answers[unit.block];
         let lanes = unit.lane..unit.lane + L::WIDTH;
         let Fit { frame, gap, eigenvalues } = unit.fit.map(load);
@@ -378,14 +402,15 @@ fn answers<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, ba
         put(&mut out.weight_sum, weight);
         put(&mut out.support, load(unit.sums.scales) / weight);
         put(&mut out.gap, gap);
-        put(&mut out.value, -dot(frame.normal, frame.aside));
+        put(&mut out.value, levin.map_or(-dot(frame.normal, frame.aside), |levin| levin.value));
         if batch.candidates.columns.has_normals() {
             put(&mut out.along, dot(frame.normal, each(|k| load(unit.sums.normals[k]))));
         }
-        let gradient = if task.gradient {
-            gradient(task.field, &frame, weight, each(|k| load(unit.second[k])))
-        } else {
-            frame.normal
+        let second = each(|k| load(unit.second[k]));
+        let gradient = match levin {
+            _ if !task.gradient => frame.normal,
+            Some(levin) => levin_gradient(&levin, weight, second),
+            None => gradient(task.field, &frame, weight, second),
         };
         for k in 0..D {
             put(&mut out.aside[k], frame.aside[k]);
@@ -408,7 +433,7 @@ fn answers<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, ba
             put(&mut out.sensitivity, plain / (weight * weight));
             put(&mut out.variance, noisy / (weight * weight));
             for k in 0..D {
-                put(&mut out.turn[k], frame.turn[k]);
+                put(&mut out.turn[k], levin.map_or(frame.turn[k], |levin| levin.frame.turn[k]));
             }
         }
     }

@@ -2,11 +2,14 @@
 
 mod answers;
 mod batch;
+mod levin;
+#[cfg(test)]
+mod levin_tests;
 mod own;
 #[cfg(test)]
 mod tests;
 
-use crate::definition::Definition;
+use crate::definition::{Definition, Kind};
 pub(crate) use crate::engine::Position;
 use crate::engine::{Culled, Extent};
 use crate::grid::{Grid, Store};
@@ -51,10 +54,12 @@ enum Work<const D: usize> {
 
 impl<'s, const D: usize> Evaluator<'s, D> {
     pub(crate) fn new(grid: &'s Grid<D>, definition: &Definition, level: Level, wanted: Wanted) -> Self {
-        let varied = !grid.scales.is_empty() || !grid.factors.is_empty();
+        // The sums of Levin's surface run in general mode.
+        let varied = definition.kind() == Kind::Levin || !grid.scales.is_empty() || !grid.factors.is_empty();
         let task = Task {
             level,
             weight: definition.weight(),
+            kind: definition.kind(),
             field: definition.field(),
             domain_ratio: definition.domain_ratio(),
             varied,

@@ -26,7 +26,7 @@ const FIELDS: [NormalField; 4] = [
     NormalField::AveragedAxes,
 ];
 
-const WEIGHTS: [Weight; 6] = [
+pub(super) const WEIGHTS: [Weight; 6] = [
     Weight::Poly2,
     Weight::Poly3,
     Weight::Poly4,
@@ -36,7 +36,7 @@ const WEIGHTS: [Weight; 6] = [
 ];
 
 /// A thick, bent sheet of random samples with wild normals, supports and factors; the grid's unit is one.
-fn cloud<const D: usize>(
+pub(super) fn cloud<const D: usize>(
     random: &mut Random,
     weight: Weight,
     per_sample: bool,
@@ -84,7 +84,7 @@ fn every_setting(mut each: impl FnMut(Weight, NormalField, bool, bool)) {
     }
 }
 
-const EVERYTHING: Wanted = Wanted {
+pub(super) const EVERYTHING: Wanted = Wanted {
     moving: false,
     gradient: true,
     sensitivity: true,
@@ -93,7 +93,7 @@ const EVERYTHING: Wanted = Wanted {
     hessian: true,
 };
 
-fn locals<const D: usize>(
+pub(super) fn locals<const D: usize>(
     evaluator: &mut Evaluator<'_, D>,
     positions: &[Position<D>],
 ) -> Vec<(Local<D>, Extra<D>)> {
@@ -199,7 +199,7 @@ fn through<L: Lane<Token = (), Number = f64>, M: Mode, K: Kernel, const D: usize
     }
 }
 
-fn gathered<const D: usize>(grid: &Grid<D>, x: [f64; D], weight: Weight) -> Candidates<f64, D> {
+pub(super) fn gathered<const D: usize>(grid: &Grid<D>, x: [f64; D], weight: Weight) -> Candidates<f64, D> {
     let mut candidates = Candidates::new();
     candidates.gather(grid, Extent::around([x].into_iter()), weight.reach(), true, Level::new());
     candidates

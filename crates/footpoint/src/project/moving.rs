@@ -1,6 +1,6 @@
 //! Points on their way to the surface: the plain iteration, a faster one, and what follows where either fails.
 
-use super::{Operator, Project};
+use super::{Landing, Operator, Project};
 use crate::algebra::{Vector, add, add_scaled, dot, length, scale, sub};
 use crate::evaluator::{Evaluator, Local, Position};
 use crate::status::Status;
@@ -38,12 +38,12 @@ const LONGEST_MIXED: f64 = 2.0;
 /// One point on its way to the surface.
 #[derive(Clone, Copy)]
 pub(super) struct Moving<const D: usize> {
-    pub(super) position: Position<D>,
+    position: Position<D>,
     /// Everything at `position`, once evaluated there.
-    pub(super) local: Local<D>,
+    local: Local<D>,
     /// The square of the larger of |f| and the plain step, at the last position where f exists.
     squared_residual: f64,
-    pub(super) evaluations: u32,
+    evaluations: u32,
     way: Way,
     /// The squared residual that the next is to fall to a quarter of, and the number of its evaluation.
     mark: (f64, u32),
@@ -80,9 +80,15 @@ impl<const D: usize> Moving<D> {
         }
     }
 
-    /// The larger of |f| and the plain step, at the last position where f exists.
-    pub(super) fn residual(&self) -> f64 {
-        self.squared_residual.sqrt()
+    pub(super) fn landing(&self, surface: &Surface<D>) -> Landing<D> {
+        Landing {
+            point: self.position.rounded(),
+            surface_normal: self.local.surface_normal,
+            frame_normal: self.local.normal,
+            distance: self.distance(surface.sign()),
+            residual: self.squared_residual.sqrt(),
+            evaluations: self.evaluations,
+        }
     }
 
     pub(super) fn verdict(&self, surface: &Surface<D>) -> Status {
@@ -95,7 +101,7 @@ impl<const D: usize> Moving<D> {
         }
     }
 
-    pub(super) fn distance(&self, sign: Sign) -> f64 {
+    fn distance(&self, sign: Sign) -> f64 {
         let back = scale(self.position.offset, -1.0);
         let distance = length(back);
         // Where no neighbour has a normal the sign is arbitrary even if the cloud has normals elsewhere.
@@ -113,6 +119,8 @@ impl<const D: usize> Moving<D> {
             // φ = f + n·(x − y), and x − y = −offset.
             Operator::AlmostOrthogonal => scale(normal, dot(normal, offset) - value),
             Operator::Orthogonal => scale(gradient, (dot(normal, offset) - value) / dot(normal, gradient)),
+            // It does not iterate on f.
+            Operator::Levin { .. } => [f64::NAN; D],
         }
     }
 

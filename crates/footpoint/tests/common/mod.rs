@@ -5,7 +5,7 @@
 
 use footpoint::samples::{Random, Samples};
 use footpoint::{
-    Cloud, Definition, Evaluations, NormalField, Operator, Projections, Support, Surface, Want, Weight,
+    Cloud, Definition, Evaluations, Kind, NormalField, Operator, Projections, Support, Surface, Want, Weight,
 };
 use serde_json::Value;
 use std::path::PathBuf;
@@ -64,6 +64,13 @@ pub(crate) const FIELDS: [NormalField; 4] = [
     NormalField::AveragedAxes,
 ];
 
+/// Every normal field of the point set surface, and Levin's surface.
+pub(crate) fn definitions() -> impl Iterator<Item = Definition> {
+    let fields = FIELDS.into_iter().map(|field| Definition::new().with_field(field));
+    fields.chain([Definition::new().with_kind(Kind::Levin)])
+}
+
+/// The operators that iterate on f.
 pub(crate) const OPERATORS: [Operator; 3] =
     [Operator::Basic, Operator::AlmostOrthogonal, Operator::Orthogonal];
 
@@ -181,6 +188,30 @@ pub(crate) fn near_samples<const D: usize>(
             add(p, scale(in_cube(&mut random), reach))
         })
         .collect()
+}
+
+/// ∂f/∂x_k by differences of the fourth order; `None` where a sample enters or leaves a support on the way.
+pub(crate) fn differences<const D: usize>(
+    surface: &Surface<D>,
+    x: [f64; D],
+    n: [f64; D],
+    h: f64,
+) -> Option<[f64; D]> {
+    let step = 1e-4 * h;
+    let mut gradient = [0.0; D];
+    for k in 0..D {
+        let shifted: Vec<[f64; D]> = [-2.0, -1.0, 1.0, 2.0]
+            .iter()
+            .map(|times| add(x, std::array::from_fn(|j| if j == k { times * step } else { 0.0 })))
+            .collect();
+        let e = surface.evaluate(&shifted, Want::VALUE | Want::FRAME_NORMAL | Want::NEIGHBOURS);
+        if e.neighbours.iter().any(|&count| count != e.neighbours[0]) {
+            return None;
+        }
+        let f = |j: usize| e.value[j] * dot(e.frame_normal[j], n).signum();
+        gradient[k] = (f(0) - 8.0 * f(1) + 8.0 * f(2) - f(3)) / (12.0 * step);
+    }
+    Some(gradient)
 }
 
 /// A permutation of 0, …, count − 1.

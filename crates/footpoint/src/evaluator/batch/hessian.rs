@@ -2,9 +2,12 @@
 
 use super::{Batch, Of, Task, place};
 use crate::algebra::each;
+use crate::definition::Kind;
 use crate::dual::Dual;
-use crate::engine::{Culled, Frame, FrameSums, General, Place, first_pass, second_pass};
-use crate::frame::{fit, gradient};
+use crate::engine::{
+    Culled, Frame, FrameSums, General, Place, first_pass, levin_second_pass, levin_sums, second_pass,
+};
+use crate::frame::{Fit, LevinFit, fit, fit_levin, gradient, levin_gradient};
 use crate::lane::{Lane, Number, vectorized_narrow};
 use crate::weight::{Kernel, with_kernel};
 
@@ -17,7 +20,8 @@ pub(super) struct Turning<N: Number, const D: usize> {
     block: usize,
     lane: usize,
     sums: FrameSums<Pair<N>, D>,
-    frame: Frame<Pair<N>, D>,
+    fit: Fit<Pair<N>, D>,
+    levin: LevinFit<Pair<N>, D>,
     second: [Pair<N>; D],
 }
 
@@ -97,13 +101,15 @@ fn value_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
             rest = after;
             let x = moving(&place::<N, L, D>(token, block, lane), along);
             let sums = first_pass::<Dual<L>, K, General, D>(kernel, list, &x, task.field, own);
-            let nothing = [[N::ZERO_SLOT; 2]; D];
+            let zero = [N::ZERO_SLOT; 2];
+            let frame = Frame { normal: [zero; D], aside: [zero; D], turn: [zero; D] };
             turnings.units.push(Turning {
                 block: b,
                 lane,
                 sums: sums.map(stored::<N, L>),
-                frame: Frame { normal: nothing, aside: nothing, turn: nothing },
-                second: nothing,
+                fit: Fit { frame, gap: zero, eigenvalues: [zero; D] },
+                levin: LevinFit { frame, value: zero, steepness: zero },
+                second: [zero; D],
             });
         }
     }
@@ -113,7 +119,7 @@ fn value_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
 fn frames<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, turnings: &mut Turnings<N, D>) {
     for unit in &mut turnings.units {
         let sums = unit.sums.map(|pair| Dual::<L>::load(token, &pair));
-        unit.frame = fit(task.field, &sums).frame.map(stored::<N, L>);
+        unit.fit = fit(task.field, &sums).map(stored::<N, L>);
     }
 }
 
@@ -130,8 +136,16 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
         let kept = &turnings.kept[begin..begin + list.places.len()];
         begin += list.places.len();
         let x = moving(&place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane), along);
-        let frame = unit.frame.map(|pair| Dual::<L>::load(token, &pair));
-        let second = second_pass::<Dual<L>, K, General, D>(kernel, list, &x, (task.field, &frame), kept);
+        let load = |pair: Pair<N>| Dual::<L>::load(token, &pair);
+        let fit = unit.fit.map(load);
+        let second = if task.kind == Kind::Levin {
+            let sums = levin_sums::<Dual<L>, K, D>(kernel, list, &x, fit.frame.normal, kept);
+            let levin = fit_levin(&unit.sums.map(load), &fit, &sums);
+            unit.levin = levin.map(stored::<N, L>);
+            levin_second_pass::<Dual<L>, K, D>(kernel, list, &x, (&levin.frame, levin.value), kept)
+        } else {
+            second_pass::<Dual<L>, K, General, D>(kernel, list, &x, (task.field, &fit.frame), kept)
+        };
         unit.second = each(|k| stored::<N, L>(second[k]));
     }
 }
@@ -147,7 +161,12 @@ fn rows<L: Of<N>, N: Culled, const D: usize>(
     let load = |pair: Pair<N>| Dual::<L>::load(token, &pair);
     for unit in &turnings.units {
         let second = each(|k| load(unit.second[k]));
-        let gradient = gradient(task.field, &unit.frame.map(load), load(unit.sums.weight), second);
+        let weight = load(unit.sums.weight);
+        let gradient = if task.kind == Kind::Levin {
+            levin_gradient(&unit.levin.map(load), weight, second)
+        } else {
+            gradient(task.field, &unit.fit.frame.map(load), weight, second)
+        };
         let row = &mut batch.answers[unit.block].hessian[along];
         for k in 0..D {
             gradient[k].slope.write(&mut row[k][unit.lane..unit.lane + L::WIDTH]);
