@@ -71,7 +71,7 @@ pub(crate) struct DemoArguments {
     output: PathBuf,
     /// Standard deviation of the simulated ranges, in metres
     #[arg(long, value_name = "METRES", default_value_t = ScanPlan::default().noise)]
-    noise: f64,
+    range_noise: f64,
     /// Rays that each of the stations casts
     #[arg(long, value_name = "COUNT", default_value_t = ScanPlan::default().rays)]
     rays: u32,
@@ -84,7 +84,8 @@ pub(crate) struct DemoArguments {
 
 impl DemoArguments {
     pub(crate) fn plan(&self) -> DemoPlan {
-        let scan = ScanPlan { noise: self.noise, rays: self.rays, seed: self.seed, ..ScanPlan::default() };
+        let scan =
+            ScanPlan { noise: self.range_noise, rays: self.rays, seed: self.seed, ..ScanPlan::default() };
         DemoPlan { folder: self.output.clone(), scan }
     }
 

@@ -160,7 +160,7 @@ fn options_that_make_no_sense() {
     refuse(&folder, "evaluate sphere.csv --at flat.csv -o out.csv", &["sphere.csv", "flat.csv", "agree"]);
     refuse(&folder, "project flat.csv --onto sphere.csv -o out.csv", &["2-D", "3-D", "agree"]);
     // A demo of nothing does not even make its folder.
-    for plan in ["--rays 0", "--noise=-0.1", "--noise nan", "--noise inf"] {
+    for plan in ["--rays 0", "--range-noise=-0.1", "--range-noise nan", "--range-noise inf"] {
         refuse(&folder, &format!("demo -o demo {plan}"), &[]);
     }
 }

@@ -317,7 +317,7 @@ fn the_demo_takes_its_plan() {
     let (plain, report) = demo("--rays 900");
     let points = report["points"].as_u64().unwrap();
     assert!(demo("--rays 1600").1["points"].as_u64().unwrap() > points);
-    let (quiet, still) = demo("--rays 900 --noise 0");
+    let (quiet, still) = demo("--rays 900 --range-noise 0");
     assert!(still["demo"]["rms_before_metres"].as_f64().unwrap() < 1e-12, "{still}");
     assert_eq!(still["demo"]["noise_metres"], 0.0);
     let (seeded, other) = demo("--rays 900 --seed 2");

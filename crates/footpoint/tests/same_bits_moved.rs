@@ -83,7 +83,9 @@ fn moved_by_whole_cells() {
 /// The power of the unit of length that a column carries.
 fn power(name: &str, axes: bool) -> i32 {
     match name {
-        "value" | "average" | "support" | "point" | "distance" | "residual" => 1,
+        "value" | "average" | "support" | "point" | "distance" | "residual" | "sigma" => 1,
+        "second derivatives" | "mean curvature" | "principal curvatures" => -1,
+        "Gaussian curvature" => -2,
         "eigenvalues" if !axes => 2,
         _ => 0,
     }

@@ -1,9 +1,7 @@
 //! How far step one of Levin's projection is from orthogonal to the surface that it leads to.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
-use common::{Columns, Variant, dot, length, median, near_samples, scale, sub};
+use crate::common::{Columns, Variant, dot, length, median, near_samples, scale, sub};
 use footpoint::samples::{self, Samples};
 use footpoint::{Cloud, Definition, Kind, Operator, Project, Run, Want};
 
@@ -24,7 +22,7 @@ fn angles<const D: usize>(shape: &Samples<D>, radius: f64) -> [[f64; 3]; 4] {
             .filter(|&i| feet.status[i].is_ok())
             .map(|i| {
                 let side = if i % 2 == 0 { height } else { -height };
-                common::add(feet.point[i], scale(feet.surface_normal[i], side * radius))
+                crate::common::add(feet.point[i], scale(feet.surface_normal[i], side * radius))
             })
             .collect();
         let (q, foot) = (surface.project(&lifted, &step_one), surface.project(&lifted, &foot));

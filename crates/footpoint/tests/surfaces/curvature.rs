@@ -1,9 +1,7 @@
 //! Curvatures are exact for f, and those of the surface converge to the truth with the square of h.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-mod common;
-
-use common::{dot, length, median, near_samples, scale, sub};
+use crate::common::{dot, length, median, near_samples, scale, sub};
 use footpoint::samples::{self, Random};
 use footpoint::{Cloud, Definition, NormalField, Precision, Project, Support, Surface, Want, Weight};
 use std::f64::consts::TAU;
@@ -216,7 +214,7 @@ fn differences<const D: usize>(weight: Weight, field: NormalField, varied: bool)
 fn second_derivatives_are_those_of_f() {
     let mut worst = 0.0_f64;
     for weight in [Weight::Poly3, Weight::Poly4, Weight::Wendland, Weight::Gaussian { cut: 1e-16 }] {
-        for field in common::FIELDS {
+        for field in crate::common::FIELDS {
             for varied in [false, true] {
                 let found =
                     differences::<2>(weight, field, varied).max(differences::<3>(weight, field, varied));

@@ -1,9 +1,7 @@
 //! Levin's projection has the same bits for any number of threads, any batch, any order of the samples, and moved.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Columns, Row, Variant, add, near_samples, projection_rows, same_rows, shuffled, without_locations,
 };
 use footpoint::samples::{self, Samples};

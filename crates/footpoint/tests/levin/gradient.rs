@@ -1,9 +1,9 @@
 //! The derivatives of Levin's surface are those of its f, and f is what the minimisation pulls with.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
-use common::{Columns, VARIANTS, WEIGHTS, differences, dot, largest, length, near_samples, scale, sub};
+use crate::common::{
+    Columns, VARIANTS, WEIGHTS, differences, dot, largest, length, near_samples, scale, sub,
+};
 use footpoint::samples::{self, Samples};
 use footpoint::{Definition, Kind, Operator, Project, Surface, Want};
 

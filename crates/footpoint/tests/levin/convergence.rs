@@ -1,9 +1,7 @@
 //! Levin's second step with a polynomial of degree m converges with the power m + 1 of h, or faster.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
-use common::{Columns, Variant, dot, in_cube, length, median, scale};
+use crate::common::{Columns, Variant, dot, in_cube, length, median, scale};
 use footpoint::samples::{self, Random, Samples};
 use footpoint::{Definition, Operator, Project};
 
@@ -26,7 +24,7 @@ fn check<const D: usize>(shape: &Samples<D>, supports: [f64; 3], error: Error<D>
             let surface = Columns::new(shape, h, Variant::Uniform).surface(Definition::new());
             let mut random = Random::new(51);
             let starts: Vec<[f64; D]> = (0..150)
-                .map(|i| common::add(shape.points[i * stride], scale(in_cube(&mut random), 0.1 * h)))
+                .map(|i| crate::common::add(shape.points[i * stride], scale(in_cube(&mut random), 0.1 * h)))
                 .collect();
             let how = Project::new().with_operator(Operator::Levin { degree: Some(degree) });
             let p = surface.project(&starts, &how.with_tolerance(1e-12));

@@ -1,9 +1,7 @@
 //! Fields without signs need none: surfaces with one side are evaluated and projected on like any other.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-mod common;
-
-use common::{add, dot, in_cube, length, median, rows_of_text, scale, shared, sub};
+use crate::common::{add, dot, in_cube, length, median, rows_of_text, scale, shared, sub};
 use footpoint::samples::{self, Random, Samples};
 use footpoint::{Cloud, Definition, NormalField, Operator, Project, Queries, Sign, Support, Surface, Want};
 use std::f64::consts::TAU;

@@ -1,8 +1,6 @@
 //! Levin's projection reaches every status on purpose, and every option of it matters.
 
-mod common;
-
-use common::{Columns, Variant, length, near_samples, projection_rows, same_rows, sub};
+use crate::common::{Columns, Variant, length, near_samples, projection_rows, same_rows, sub};
 use footpoint::samples;
 use footpoint::{
     Acceptance, Cloud, Definition, Kind, NormalField, Operator, Project, Projections, Queries, Sign, Status,

@@ -1,9 +1,7 @@
 //! Step one of Levin's projection is a local minimum of its energy, and repeated it lands on Levin's surface.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Columns, VARIANTS, Variant, WEIGHTS, across, add, dot, in_cube, largest, length, median, near_samples,
     scale, sub,
 };

@@ -1,9 +1,7 @@
 //! Standard deviations of f and of distances agree with Monte Carlo, and the noise estimated from the residuals with the truth.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-mod common;
-
-use common::{add, dot, in_cube, length, median, scale, sub};
+use crate::common::{add, dot, in_cube, length, median, scale, sub};
 use footpoint::samples::{self, Random};
 use footpoint::{
     Cloud, Definition, Noise, NormalField, Project, Queries, Support, Surface, Uncertainty, UncertaintyError,
@@ -199,7 +197,7 @@ fn forgetting_that_a_query_is_a_sample_would_show() {
 #[test]
 fn the_bias_is_the_offset_of_the_surface() {
     for radius in [1.0, 3.0] {
-        let sphere = common::fibonacci_sphere(20_000);
+        let sphere = crate::common::fibonacci_sphere(20_000);
         let points: Vec<[f64; 3]> = sphere.points.iter().map(|&p| scale(p, radius)).collect();
         let definition = Definition::new().with_support(Support::Uniform(0.2 * radius));
         let cloud = || Cloud::new(points.clone()).with_noise(Noise::Uniform(0.01)).unwrap();
@@ -274,7 +272,7 @@ fn noise_does_not_change_the_surface_nor_its_order_the_answers() {
     let definition = Definition::new().with_support(Support::Uniform(SUPPORT));
     let plain = Surface::new(Cloud::new(points.clone()), definition).unwrap();
     // Every sample twice, with different noise, in two orders.
-    let order = common::shuffled(2 * points.len(), 4);
+    let order = crate::common::shuffled(2 * points.len(), 4);
     let twice: Vec<[f64; 3]> = points.iter().chain(&points).copied().collect();
     let figures: Vec<f64> = spread.iter().map(|s| s[0]).chain(spread.iter().map(|s| 3.0 * s[0])).collect();
     let pick = |order: &[usize]| {

@@ -1,9 +1,7 @@
 //! On and near the medial axis a point has a documented answer: no foot, or one that is near; it never drifts.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-mod common;
-
-use common::{add, in_cube, length, scale, sub};
+use crate::common::{add, in_cube, length, scale, sub};
 use footpoint::samples::{self, Random};
 use footpoint::{Cloud, Definition, NormalField, Operator, Project, Status, Support, Surface};
 
