@@ -1,6 +1,6 @@
 //! Reports in words.
 
-use footpoint_jobs::{InfoReport, Report, Status};
+use footpoint_jobs::{InfoReport, NoiseSource, Report, Status};
 use std::fmt::Write;
 
 /// How much to say.
@@ -73,6 +73,9 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             writeln!(out, "  noise of the samples {noise}; expected error of the surface {error} rms")?;
             let (from_noise, from_bias) = (short(choice.error_from_noise), short(choice.error_from_bias));
             writeln!(out, "    {from_noise} from noise, {from_bias} from curvature")?;
+        }
+        if let (Some(sigma), Some(NoiseSource::Estimated)) = (surface.noise_sigma, &report.recipe.noise) {
+            writeln!(out, "noise of the samples {}, estimated from the residuals", short(sigma))?;
         }
         if surface.samples_absent > 0 {
             writeln!(out, "{} samples do not take part", surface.samples_absent)?;

@@ -25,7 +25,12 @@ fn cases() -> Vec<Rimmed> {
     let sphere = samples::sphere(1.0, 12_000, 6).points;
     vec![
         Rimmed { name: "disc", points: disc, beyond: |p| p[0].hypot(p[1]) - 0.9, height: |p| p[2] },
-        Rimmed { name: "straight rim", points: straight, beyond: |p| p[0], height: |p| p[2] },
+        Rimmed {
+            name: "straight rim",
+            points: straight, // The plane ends on the other sides too.
+            beyond: |p| p[0].max(-1.0 - p[0]).max(p[1].abs() - 1.0),
+            height: |p| p[2],
+        },
         Rimmed {
             name: "half sphere",
             points: sphere.into_iter().filter(|p| p[2] > 0.0).collect(),
@@ -83,7 +88,7 @@ fn no_skirt_grows_and_the_rim_is_within_half_a_support() {
             assert!((0.0..0.45).contains(&rim), "{}: {rim}", case.name);
             assert!(skirt > rim + 0.1, "the rule changes nothing: {skirt}");
             // Frames about x have turned sideways where many starts are: these end as *singular*.
-            let least = if field == NormalField::Covariance { 1 } else { 100 };
+            let least = if field == NormalField::Covariance { 1 } else { 50 };
             assert!(boundary >= least && lost == 0, "{}: {boundary} {lost}", case.name);
         }
     }
