@@ -350,7 +350,8 @@ pub(crate) struct Common {
     /// Column of factors that multiply the weights (area, confidence)
     #[arg(long, value_name = "NAME")]
     factor_column: Option<String>,
-    /// Noise of the samples, for sigma: one standard deviation in the unit of the file, a column of them, or `auto`
+    /// Noise of the samples, for sigma: one standard deviation in the unit of the file, a column of them (or covariances,
+    /// in columns NAME_xx, NAME_xy …), or `auto`
     #[arg(long, value_name = "SIGMA|NAME|auto", allow_negative_numbers = true)]
     noise: Option<String>,
     /// Weight function [default: poly3]

@@ -86,6 +86,36 @@ fn noise_gives_every_distance_its_deviation_and_bias() {
 }
 
 #[test]
+fn covariances_come_in_columns() {
+    let folder = Folder::new();
+    let points = samples::sphere(1.0, 2000, 2).points;
+    let mut random = Random::new(4);
+    // Long along one direction each: the sensor's range is the noisy part.
+    let covariances: Vec<[[f64; 3]; 3]> = points
+        .iter()
+        .map(|p| {
+            let scale = 1e-4 * (1.0 + random.uniform());
+            std::array::from_fn(|i| {
+                std::array::from_fn(|k| scale * (p[i] * p[k] + if i == k { 0.1 } else { 0.0 }))
+            })
+        })
+        .collect();
+    let rows = points
+        .iter()
+        .zip(&covariances)
+        .map(|(p, c)| [&p[..], &[c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]]].concat());
+    folder.write("cloud.csv", csv_of("x,y,z,c_xx,c_xy,c_xz,c_yy,c_yz,c_zz", rows));
+    folder.done("project cloud.csv -o o.csv --radius 0.3 --noise c");
+    let definition = Definition::new().with_support(Support::Uniform(0.3));
+    let cloud = Cloud::new(points).with_noise(Noise::Covariances(covariances)).unwrap();
+    let surface = Surface::new(cloud, definition).unwrap();
+    let expected = surface.uncertainty(Queries::Samples, &Uncertainty::new()).unwrap();
+    assert_eq!(bits(&folder.csv("o.csv").numbers("distance_sigma")), bits(&expected.sigma));
+    let ran = folder.run("project cloud.csv -o p.csv --noise c_x");
+    assert!(ran.code == 2 && ran.stderr.contains("`c_x`"), "{}", ran.stderr);
+}
+
+#[test]
 fn wrong_noise_is_named() {
     let folder = Folder::new();
     noisy_sphere(&folder);

@@ -9,6 +9,8 @@ use footpoint_io::roles::Roles;
 use footpoint_io::{Format, Input};
 use std::path::Path;
 
+const AXES: [&str; 3] = ["x", "y", "z"];
+
 /// A file with the meaning of its columns.
 pub(crate) struct Loaded {
     pub(crate) input: Input,
@@ -103,11 +105,27 @@ impl Loaded {
         let wrong = |problem| JobError::Noise { path: self.path.clone(), problem };
         match &recipe.noise {
             Some(NoiseSource::Uniform(sigma)) => cloud.with_noise(Noise::Uniform(*sigma)).map_err(wrong),
-            Some(NoiseSource::Column(name)) => {
-                cloud.with_noise(Noise::Each(self.column(name)?)).map_err(wrong)
-            }
+            Some(NoiseSource::Column(name)) => cloud.with_noise(self.noise(name)?).map_err(wrong),
             Some(NoiseSource::Estimated) | None => Ok(cloud),
         }
+    }
+
+    /// A column of standard deviations or, where there is none of this name, columns of covariances that begin with it.
+    fn noise<const D: usize>(&self, name: &str) -> Result<Noise<D>, JobError> {
+        let entry = |i: usize, k: usize| format!("{name}_{}{}", AXES[i], AXES[k]);
+        let has = |name: &str| self.input.table.column(name).is_some();
+        if has(name) || !has(&entry(0, 0)) {
+            return Ok(Noise::Each(self.column(name)?));
+        }
+        let mut covariances = vec![[[0.0; D]; D]; self.input.table.rows()];
+        for i in 0..D {
+            for k in i..D {
+                for (matrix, value) in covariances.iter_mut().zip(self.column(&entry(i, k))?) {
+                    (matrix[i][k], matrix[k][i]) = (value, value);
+                }
+            }
+        }
+        Ok(Noise::Covariances(covariances))
     }
 
     /// The numbers of a column.

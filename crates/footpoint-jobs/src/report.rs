@@ -79,7 +79,7 @@ pub struct Recipe {
 pub enum NoiseSource {
     /// One standard deviation, in the unit of the file.
     Uniform(f64),
-    /// A column of them.
+    /// A column of them; or of covariances, if there are `NAME_xx`, `NAME_xy`, … and no `NAME`.
     Column(String),
     /// Estimated from the residuals.
     Estimated,

@@ -25,7 +25,8 @@ impl<const D: usize> Uncertainty<D> {
         Self::default()
     }
 
-    /// Projects in this way.
+    /// Projects in this way. σ is that of the definition's f at the result, also for Levin's operator, whose result f does not
+    /// know.
     pub fn with_project(mut self, project: Project) -> Self {
         self.project = project;
         self
