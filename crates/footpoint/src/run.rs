@@ -5,6 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Groups that one thread takes at a time: enough to hide the bookkeeping, few enough to share evenly.
 const GROUPS_AT_A_TIME: usize = 2;
+/// So many quick items are done sooner than a thread wakes up.
+#[cfg(feature = "threads")]
+const QUICK: usize = 1024;
 
 /// How to run: who does not care takes the default (all cores, silent, not cancellable).
 ///
@@ -135,15 +138,12 @@ impl<'r> Run<'r> {
         };
         let chunks = count.div_ceil(GROUPS_AT_A_TIME);
         #[cfg(feature = "threads")]
-        {
+        if chunks > 1 {
             use rayon::prelude::*;
-            self.install(|| (0..chunks).into_par_iter().try_for_each_init(state, several))
+            return self.install(|| (0..chunks).into_par_iter().try_for_each_init(state, several));
         }
-        #[cfg(not(feature = "threads"))]
-        {
-            let mut state = state();
-            (0..chunks).try_for_each(|chunk| several(&mut state, chunk))
-        }
+        let mut state = state();
+        (0..chunks).try_for_each(|chunk| several(&mut state, chunk))
     }
 
     /// `work(0)`, …, `work(count − 1)` in order.
@@ -159,27 +159,21 @@ impl<'r> Run<'r> {
             Ok(work(i))
         };
         #[cfg(feature = "threads")]
-        {
+        if count > 64 {
             use rayon::prelude::*;
-            self.install(|| (0..count).into_par_iter().with_min_len(64).map(checked).collect())
+            return self.install(|| (0..count).into_par_iter().with_min_len(64).map(checked).collect());
         }
-        #[cfg(not(feature = "threads"))]
-        {
-            (0..count).map(checked).collect()
-        }
+        (0..count).map(checked).collect()
     }
 
     /// `make(0)`, …, `make(count − 1)` in order; for quick work, which is not cancelled.
     pub(crate) fn collect<T: Send>(&self, count: usize, make: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
         #[cfg(feature = "threads")]
-        {
+        if count > QUICK {
             use rayon::prelude::*;
-            self.install(|| (0..count).into_par_iter().with_min_len(1024).map(make).collect())
+            return self.install(|| (0..count).into_par_iter().with_min_len(QUICK).map(make).collect());
         }
-        #[cfg(not(feature = "threads"))]
-        {
-            (0..count).map(make).collect()
-        }
+        (0..count).map(make).collect()
     }
 
     /// The same, without what is `None`.
@@ -189,27 +183,22 @@ impl<'r> Run<'r> {
         make: impl Fn(usize) -> Option<T> + Sync + Send,
     ) -> Vec<T> {
         #[cfg(feature = "threads")]
-        {
+        if count > QUICK {
             use rayon::prelude::*;
-            self.install(|| (0..count).into_par_iter().with_min_len(1024).filter_map(make).collect())
+            return self
+                .install(|| (0..count).into_par_iter().with_min_len(QUICK).filter_map(make).collect());
         }
-        #[cfg(not(feature = "threads"))]
-        {
-            (0..count).filter_map(make).collect()
-        }
+        (0..count).filter_map(make).collect()
     }
 
     /// Does `work` on every item.
     pub(crate) fn for_each<T: Send>(&self, items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
         #[cfg(feature = "threads")]
-        {
+        if items.len() > 4 {
             use rayon::prelude::*;
-            self.install(|| items.par_iter_mut().with_min_len(4).for_each(work));
+            return self.install(|| items.par_iter_mut().with_min_len(4).for_each(work));
         }
-        #[cfg(not(feature = "threads"))]
-        {
-            items.iter_mut().for_each(work);
-        }
+        items.iter_mut().for_each(work);
     }
 
     /// Sorts by a total order, so that the result is the same for any number of threads.
@@ -219,14 +208,11 @@ impl<'r> Run<'r> {
         order: impl Fn(&T, &T) -> std::cmp::Ordering + Sync + Send,
     ) {
         #[cfg(feature = "threads")]
-        {
+        if items.len() > QUICK {
             use rayon::prelude::*;
-            self.install(|| items.par_sort_unstable_by(order));
+            return self.install(|| items.par_sort_unstable_by(order));
         }
-        #[cfg(not(feature = "threads"))]
-        {
-            items.sort_unstable_by(order);
-        }
+        items.sort_unstable_by(order);
     }
 
     /// Runs `work` inside the library's pool with the threads asked for.

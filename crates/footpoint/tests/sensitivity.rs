@@ -1,11 +1,13 @@
 //! The squared sensitivity is the sum of |∂f/∂p_i|² that moving each sample measures, and those derivatives sum to −∇f.
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 mod common;
 
-use common::{Columns, Variant, WEIGHTS, add, definitions, dot, length, near_samples, scale, sub};
+use common::{
+    Columns, Variant, WEIGHTS, add, definitions, dot, first_order, length, near_samples, scale, sub,
+};
 use footpoint::samples::{self, Samples};
-use footpoint::{Definition, Want, Weight};
+use footpoint::{Definition, Run, Surface, Want, Weight};
 
 /// ∂f/∂p_i of every sample, by differences of the fourth order; `None` where a sample enters or leaves the support.
 fn measured<const D: usize>(
@@ -16,6 +18,9 @@ fn measured<const D: usize>(
 ) -> Option<Vec<[f64; D]>> {
     let step = 3e-4 * columns.radius;
     let mut moved = columns.clone();
+    // Tens of thousands of tiny clouds: threads would spend their time on waking up.
+    let run = Run::new().threads(1);
+    let want = Want::VALUE | Want::FRAME_NORMAL | Want::NEIGHBOURS;
     let mut neighbours = None;
     let mut all = Vec::new();
     for i in 0..columns.points.len() {
@@ -23,7 +28,9 @@ fn measured<const D: usize>(
         for k in 0..D {
             let mut f = |times: f64| {
                 moved.points[i][k] = columns.points[i][k] + times * step;
-                let e = moved.surface(definition).evaluate(&[x], Want::ALL);
+                let surface =
+                    Surface::build(moved.cloud(), definition.with_support(moved.support()), &run).unwrap();
+                let e = surface.with(&run).evaluate(&[x], want).unwrap();
                 moved.points[i][k] = columns.points[i][k];
                 let count = *neighbours.get_or_insert(e.neighbours[0]);
                 (count == e.neighbours[0]).then_some(e.value[0] * dot(e.frame_normal[0], n).signum())
@@ -54,7 +61,7 @@ fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
                 let columns = whole.select(&near.collect::<Vec<_>>());
                 for definition in definitions() {
                     let definition = definition.with_weight(weight);
-                    let e = columns.surface(definition).evaluate(&[x], Want::ALL);
+                    let e = columns.surface(definition).evaluate(&[x], first_order());
                     if e.gap[0] < 0.1 {
                         continue;
                     }
