@@ -3,7 +3,7 @@
 mod filling;
 
 use crate::columns::Statuses;
-use crate::evaluator::{Extra, Local, Pass, Position, Wanted};
+use crate::evaluator::{Answers, Pass, Position, Wanted};
 use crate::queries::{Grouped, Queries};
 use crate::run::{Cancelled, Run};
 use crate::status::Status;
@@ -175,11 +175,11 @@ impl<const D: usize> Running<'_, D> {
             };
             evaluator.evaluate(&group.positions, &announce, |i, answers, lane| {
                 let row = group.rows[i] as usize;
-                filling.put(row, &group.positions[i], (&answers.local(lane), &answers.extra(lane)));
+                filling.put(row, &group.positions[i], (answers, lane));
             });
             for &row in &group.invalid {
                 let nowhere = Position::at([f64::NAN; D]);
-                filling.put(row as usize, &nowhere, (&Local::NOWHERE, &Extra::NOWHERE));
+                filling.put(row as usize, &nowhere, (&Answers::NOWHERE, 0));
                 status.put(row as usize, Status::Invalid);
             }
         })?;

@@ -1,9 +1,9 @@
 //! Uncertainty of distances to the surface, their bias, and the noise that the residuals tell of (SPEC §§ 10 and 11).
 
-use crate::algebra::{dot, sub};
+use crate::algebra::{Matrix, dot, sub};
 use crate::columns::Numbers;
 use crate::curvature::Curvature;
-use crate::evaluator::{Extra, Local, Position, Wanted};
+use crate::evaluator::{Answers, Local, Position, Wanted};
 use crate::noise::{Noise, NoiseError};
 use crate::project::{Project, Projections};
 use crate::queries::{Grouped, Queries};
@@ -124,20 +124,21 @@ impl<const D: usize> Running<'_, D> {
         let wanted = Wanted { gradient: true, sensitivity: true, hessian: true, ..Wanted::default() };
         let grouped = Grouped::new(surface, Queries::Points(&found.feet.point), self.run);
         let points = queries.points(surface);
-        let errors = |row: usize, at: &Position<D>, answers: (&Local<D>, &Extra<D>)| {
+        let errors = |row: usize, at: &Position<D>, (answers, lane): (&Answers<D>, usize)| {
             if found.feet.status[row] != Status::Ok {
                 return [f64::NAN; 2];
             }
-            let local = answers.0;
+            let local = answers.local(lane);
             let sample = own.get(row).copied().flatten().map(|place| (row, place));
-            let of_surface = variance(surface, sample, at, answers) / dot(local.gradient, local.gradient);
+            let of_surface = variance(surface, sample, at, (&local, &answers.extra(lane)))
+                / dot(local.gradient, local.gradient);
             let of_query = match (&how.query_noise, sample) {
                 (Some(noise), None) => noise.variance(row, local.surface_normal),
                 _ => 0.0,
             };
             let behind = dot(sub(points[row], found.feet.point[row]), local.gradient) < 0.0;
             let signed = surface.sign() == Sign::Given && local.signed;
-            let offset = self.offset(answers);
+            let offset = self.offset(&local, answers.hessian(lane));
             [(of_surface + of_query).sqrt(), if behind && !signed { -offset } else { offset }]
         };
         {
@@ -150,8 +151,7 @@ impl<const D: usize> Running<'_, D> {
                 }
                 evaluator.evaluate(&group.positions, &|_, _| (), |i, answers, lane| {
                     let row = group.rows[i] as usize;
-                    let answers = (&answers.local(lane), &answers.extra(lane));
-                    let [deviation, offset] = errors(row, &group.positions[i], answers);
+                    let [deviation, offset] = errors(row, &group.positions[i], (answers, lane));
                     sigma.put(row, [deviation]);
                     bias.put(row, [offset]);
                 });
@@ -161,8 +161,8 @@ impl<const D: usize> Running<'_, D> {
     }
 
     /// How far the surface lies behind the one that the samples lie on, along −∇f (SPEC § 11).
-    fn offset(&self, (local, extra): (&Local<D>, &Extra<D>)) -> f64 {
-        let bent = Curvature::new(local.gradient, local.surface_normal, extra.hessian);
+    fn offset(&self, local: &Local<D>, hessian: Matrix<f64, D>) -> f64 {
+        let bent = Curvature::new(local.gradient, local.surface_normal, hessian);
         // κ h² is a length: one unit of the grid is left.
         let h = local.support;
         bent.mean * self.surface.definition.weight().bias(D) * h * h * self.surface.grid.unit
@@ -189,13 +189,16 @@ impl<const D: usize> Running<'_, D> {
                 }
                 evaluator.evaluate(&group.positions, &|_, _| (), |i, answers, lane| {
                     let row = group.rows[i] as usize;
-                    let answers = (&answers.local(lane), &answers.extra(lane));
+                    let local = answers.local(lane);
                     let sample = own.get(row).copied().flatten().map(|place| (row, place));
                     let unit = (surface, &Noise::Uniform(1.0));
-                    let one = variance_by(unit, sample, &group.positions[i], answers).sqrt();
-                    let local = answers.0;
+                    let one =
+                        variance_by(unit, sample, &group.positions[i], (&local, &answers.extra(lane))).sqrt();
                     let known = local.acceptance(&surface.definition).is_ok();
-                    let found = [local.value * surface.grid.unit / one, self.offset(answers) / one];
+                    let found = [
+                        local.value * surface.grid.unit / one,
+                        self.offset(&local, answers.hessian(lane)) / one,
+                    ];
                     residual.put(row, if known { found } else { [f64::NAN; 2] });
                 });
             })?;

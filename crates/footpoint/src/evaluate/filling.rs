@@ -1,10 +1,10 @@
 //! The columns of an evaluation, filled by several threads.
 
 use super::{Evaluations, Want};
-use crate::algebra::scale;
+use crate::algebra::{Matrix, scale};
 use crate::columns::{Counts, Numbers, Statuses};
 use crate::curvature::Curvature;
-use crate::evaluator::{Extra, Local, Pass, Position};
+use crate::evaluator::{Answers, Extra, Local, Pass, Position};
 use crate::field::NormalField;
 use crate::status::Status;
 use crate::surface::Surface;
@@ -36,6 +36,8 @@ pub(super) struct Columns<'c, const D: usize> {
     sigma: Numbers<'c, 1>,
     status: &'c Statuses,
     has_gradient: bool,
+    /// Whether any of the columns is wanted that take some work for each row.
+    has_derived: bool,
 }
 
 impl<'c, const D: usize> Columns<'c, D> {
@@ -46,6 +48,7 @@ impl<'c, const D: usize> Columns<'c, D> {
         (status, has_gradient): (&'c Statuses, bool),
     ) -> Self {
         let bent = want.contains(Want::CURVATURE);
+        let derived = [Want::ECCENTRICITY, Want::HESSIAN, Want::CURVATURE, Want::SIGMA];
         Self {
             surface,
             own,
@@ -78,6 +81,7 @@ impl<'c, const D: usize> Columns<'c, D> {
             sigma: Numbers::values(&mut to.sigma, rows, want.contains(Want::SIGMA)),
             status,
             has_gradient,
+            has_derived: derived.into_iter().any(|column| want.contains(column)),
         }
     }
 
@@ -104,9 +108,10 @@ impl<'c, const D: usize> Columns<'c, D> {
     }
 
     #[inline(always)]
-    pub(super) fn put(&self, row: usize, position: &Position<D>, (local, extra): (&Local<D>, &Extra<D>)) {
+    pub(super) fn put(&self, row: usize, position: &Position<D>, (answers, lane): (&Answers<D>, usize)) {
         let surface = self.surface;
         let unit = surface.grid.unit;
+        let (local, extra) = (answers.local(lane), answers.extra(lane));
         // Moments of positions carry a square of the unit, moments of normals none.
         let moment = if surface.definition.field() == NormalField::AveragedAxes { 1.0 } else { unit * unit };
         self.value.put(row, [local.value * unit]);
@@ -122,29 +127,37 @@ impl<'c, const D: usize> Columns<'c, D> {
         self.eigenvalues.put(row, scale(extra.eigenvalues, moment));
         self.squared_sensitivity.put(row, [extra.sensitivity]);
         self.support.put(row, [local.support * unit]);
-        self.eccentricity.put(row, [local.across() / local.support]);
-        self.hessian.put_matrix(row, extra.hessian.map(|r| scale(r, 1.0 / unit)));
-        if self.mean.is_wanted() {
-            self.put_curvature(row, (local, extra));
-        }
-        if self.sigma.is_wanted() {
-            self.sigma.put(row, [self.sigma(row, position, (local, extra))]);
-        }
         let level = self.has_gradient && local.status.is_ok() && !local.has_surface_normal();
         self.status.put(row, if level { Status::Singular } else { local.status });
+        if self.has_derived {
+            self.put_derived(row, position, (answers, lane));
+        }
     }
 
+    /// Columns that take some work; apart, because the loop over rows is a tenth slower with their code in it.
     #[inline(never)]
-    fn put_curvature(&self, row: usize, (local, extra): (&Local<D>, &Extra<D>)) {
+    fn put_derived(&self, row: usize, position: &Position<D>, (answers, lane): (&Answers<D>, usize)) {
+        let (local, extra) = (answers.local(lane), answers.extra(lane));
+        let hessian = answers.hessian(lane);
+        self.eccentricity.put(row, [local.across() / local.support]);
+        self.hessian.put_matrix(row, hessian.map(|r| scale(r, 1.0 / self.surface.grid.unit)));
+        if self.mean.is_wanted() {
+            self.put_curvature(row, &local, hessian);
+        }
+        if self.sigma.is_wanted() {
+            self.sigma.put(row, [self.sigma(row, position, (&local, &extra))]);
+        }
+    }
+
+    fn put_curvature(&self, row: usize, local: &Local<D>, hessian: Matrix<f64, D>) {
         let inverse = 1.0 / self.surface.grid.unit;
-        let bent = Curvature::new(local.gradient, local.surface_normal, extra.hessian);
+        let bent = Curvature::new(local.gradient, local.surface_normal, hessian);
         self.mean.put(row, [bent.mean * inverse]);
         self.gaussian.put(row, [bent.gaussian * inverse * inverse]);
         self.principal.put(row, bent.principal.map(|k| k * inverse));
         self.directions.put_matrix(row, bent.directions);
     }
 
-    #[inline(never)]
     fn sigma(&self, row: usize, position: &Position<D>, answers: (&Local<D>, &Extra<D>)) -> f64 {
         match self.own.get(row).copied().flatten() {
             Some(place) => variance(self.surface, Some((row, place)), position, answers).sqrt(),

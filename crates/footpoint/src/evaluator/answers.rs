@@ -48,7 +48,8 @@ pub(crate) struct Answers<const D: usize> {
 }
 
 impl<const D: usize> Answers<D> {
-    pub(super) const NOWHERE: Self = Self {
+    /// Nothing exists anywhere.
+    pub(crate) const NOWHERE: Self = Self {
         weight_sum: [f64::NAN; LANES],
         effective_neighbours: [f64::NAN; LANES],
         neighbours: [0.0; LANES],
@@ -123,7 +124,7 @@ impl<const D: usize> Answers<D> {
     }
 
     /// The second derivatives at one position, if they were asked for and a frame exists.
-    fn hessian(&self, lane: usize) -> Matrix<f64, D> {
+    pub(crate) fn hessian(&self, lane: usize) -> Matrix<f64, D> {
         let at = |i: usize, k: usize| self.hessian[i][k][lane];
         let framed = !self.value[lane].is_nan();
         std::array::from_fn(|i| {
@@ -165,7 +166,6 @@ impl<const D: usize> Answers<D> {
             sensitivity: self.sensitivity[lane],
             variance: if self.value[lane].is_nan() { f64::NAN } else { self.variance[lane] },
             turn: at(&self.turn, lane),
-            hessian: self.hessian(lane),
         }
     }
 }
@@ -188,22 +188,6 @@ pub(crate) struct Extra<const D: usize> {
     pub(crate) variance: f64,
     /// g of the frame.
     pub(crate) turn: [f64; D],
-    /// ∇²f.
-    pub(crate) hessian: Matrix<f64, D>,
-}
-
-impl<const D: usize> Extra<D> {
-    /// Nothing exists here.
-    pub(crate) const NOWHERE: Self = Self {
-        neighbours: 0,
-        weight_sum: f64::NAN,
-        effective_neighbours: f64::NAN,
-        eigenvalues: [f64::NAN; D],
-        sensitivity: f64::NAN,
-        variance: f64::NAN,
-        turn: [f64::NAN; D],
-        hessian: [[f64::NAN; D]; D],
-    };
 }
 
 /// The frame, f and ∇f at one position, lengths in units of the grid. Quantities that do not exist are NaN.
