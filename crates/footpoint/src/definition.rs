@@ -3,6 +3,7 @@
 use crate::cloud::CloudError;
 use crate::field::NormalField;
 use crate::lane::Precision;
+use crate::polynomial::HIGHEST;
 use crate::run::Cancelled;
 use crate::support::{Support, SupportError};
 use crate::weight::Weight;
@@ -18,6 +19,10 @@ pub enum Kind {
     PointSet {
         /// The normal field n.
         field: NormalField,
+        /// Degree of the polynomial whose value at x stands for the weighted average, 0 to 3 (SPEC § 12): 0 is the paper's surface,
+        /// 2 and 3 are without its bias. Above 0 for centred covariance and averaged normals.
+        #[cfg_attr(feature = "serde", serde(default))]
+        degree: u8,
     },
     /// Levin's surface: where the plane that fits the samples best (eq. 16) passes through x itself. With n = v0(W(x)) of
     /// covariance about x it is f_L(x) = −G/S = 0, G = Σθ(n·d) + ½Σψ(n·d)³ (SPEC § 7). f_L holds a derivative of the
@@ -27,7 +32,7 @@ pub enum Kind {
 
 impl Default for Kind {
     fn default() -> Self {
-        Self::PointSet { field: NormalField::default() }
+        Self::PointSet { field: NormalField::default(), degree: 0 }
     }
 }
 
@@ -65,6 +70,7 @@ impl Acceptance {
 #[cfg_attr(feature = "serde", serde(default))]
 pub struct Definition {
     kind: Kind,
+    degree_fallback: bool,
     weight: Weight,
     support: Support,
     domain_ratio: f64,
@@ -76,6 +82,7 @@ impl Default for Definition {
     fn default() -> Self {
         Self {
             kind: Kind::default(),
+            degree_fallback: false,
             weight: Weight::default(),
             support: Support::default(),
             domain_ratio: 1.0,
@@ -97,9 +104,23 @@ impl Definition {
         self
     }
 
-    /// The point set surface with this normal field.
+    /// The point set surface with this normal field; its degree stays.
     pub fn with_field(mut self, field: NormalField) -> Self {
-        self.kind = Kind::PointSet { field };
+        self.kind = Kind::PointSet { field, degree: self.degree() };
+        self
+    }
+
+    /// The point set surface of this degree, 0 to 3; its normal field stays.
+    pub fn with_degree(mut self, degree: u8) -> Self {
+        self.kind = Kind::PointSet { field: self.field(), degree };
+        self
+    }
+
+    /// Whether the next lower degree answers where the samples do not determine the polynomial: where
+    /// tr A · tr A⁻¹ exceeds 1e7 (in single precision 2e4) for the normal equations' matrix A in units of the support. Without
+    /// (the default) such points are *degenerate*. `Want::DEGREE` tells which degree answered; f jumps where it changes.
+    pub fn with_degree_fallback(mut self, fallback: bool) -> Self {
+        self.degree_fallback = fallback;
         self
     }
 
@@ -141,9 +162,22 @@ impl Definition {
     /// The normal field; covariance about x is part of Levin's surface.
     pub fn field(&self) -> NormalField {
         match self.kind {
-            Kind::PointSet { field } => field,
+            Kind::PointSet { field, .. } => field,
             Kind::Levin => NormalField::Covariance,
         }
+    }
+
+    /// The degree of the polynomial; 0 for Levin's surface.
+    pub fn degree(&self) -> u8 {
+        match self.kind {
+            Kind::PointSet { degree, .. } => degree,
+            Kind::Levin => 0,
+        }
+    }
+
+    /// Whether lower degrees answer where this one is not determined.
+    pub fn degree_fallback(&self) -> bool {
+        self.degree_fallback
     }
 
     /// The weight.
@@ -183,6 +217,14 @@ impl Definition {
         if !(self.domain_ratio > 0.0 && self.domain_ratio <= 1.0) {
             return Err(DefinitionError::DomainRatio(self.domain_ratio));
         }
+        let polynomial =
+            matches!(self.field(), NormalField::CentredCovariance | NormalField::AveragedNormals);
+        match self.degree() {
+            0 => {}
+            degree if usize::from(degree) > HIGHEST => return Err(DefinitionError::Degree(degree)),
+            degree if !polynomial => return Err(DefinitionError::DegreeOfField(degree, self.field())),
+            _ => {}
+        }
         match self.weight {
             Weight::Gaussian { cut } if !(1e-300..1.0).contains(&cut) => {
                 return Err(DefinitionError::Cut(cut));
@@ -204,6 +246,12 @@ pub enum DefinitionError {
     /// The domain ratio is not above 0 and at most 1.
     #[error("domain ratio {0}: it must be above 0 and at most 1")]
     DomainRatio(f64),
+    /// The degree is above 3.
+    #[error("degree {0}: it must be 0, 1, 2 or 3")]
+    Degree(u8),
+    /// Degrees above 0 need a frame that stays right away from the samples.
+    #[error("degree {0} with the field of {1}: use centred covariance or averaged normals, or degree 0")]
+    DegreeOfField(u8, NormalField),
     /// The Gaussian's cut is not between 0 and 1.
     #[error("Gaussian cut {0}: it must lie between 1e-300 and 1")]
     Cut(f64),

@@ -121,7 +121,7 @@ fn smallest_of_three<L: Lane, const D: usize>(a: Matrix<L, D>) -> Eigenpair<L, D
 }
 
 #[inline(always)]
-fn product<L: Lane, const D: usize>(a: Matrix<L, D>, v: Vector<L, D>) -> Vector<L, D> {
+pub(crate) fn product<L: Lane, const D: usize>(a: Matrix<L, D>, v: Vector<L, D>) -> Vector<L, D> {
     each(|i| dot(a[i], v))
 }
 

@@ -48,8 +48,10 @@ impl Want {
     pub const CURVATURE: Self = Self(1 << 14);
     /// The standard deviation of f that the samples' noise causes.
     pub const SIGMA: Self = Self(1 << 15);
+    /// The degree of the polynomial that answered.
+    pub const DEGREE: Self = Self(1 << 16);
     /// Every column.
-    pub const ALL: Self = Self((1 << 16) - 1);
+    pub const ALL: Self = Self((1 << 17) - 1);
 
     /// Whether all of `other` is in the set.
     pub fn contains(self, other: Self) -> bool {
@@ -104,6 +106,9 @@ pub struct Evaluations<const D: usize> {
     /// √(Σ G_iᵀ C_i G_i), G_i = ∂f/∂p_i, a length (SPEC § 10): first order in the noise, upper at large noise. A query that is
     /// a sample moves with it. NaN where the cloud's noise is not known.
     pub sigma: Vec<f64>,
+    /// The degree of the polynomial that answered, 0 where there is no answer: the definition's, or a lower one with
+    /// [`degree_fallback`](crate::Definition::with_degree_fallback).
+    pub degree: Vec<u32>,
     /// *ok*, *outside*, *degenerate*, *singular* (no gradient, hence no surface normal) or *invalid*.
     pub status: Vec<Status>,
 }

@@ -93,6 +93,7 @@ fn check<const D: usize>(name: &str) {
         }
         projections(&golden, case, &label);
         levin(&golden, case, &label);
+        degrees(&golden, case, &label);
     }
 }
 
@@ -198,6 +199,27 @@ fn levin<const D: usize>(golden: &Golden<D>, case: &Value, label: &str) {
     let expected = vector::<D>(&case["levin"]["gradient_of_G"]);
     let bound = 1e-11 * weight * length(e.gradient[0]).max(1.0);
     close(length(sub(found, expected)), 0.0, bound, &format!("{label} gradient of G"));
+}
+
+fn degrees<const D: usize>(golden: &Golden<D>, case: &Value, label: &str) {
+    let Some(degrees) = case["degrees"].as_object() else { return };
+    for (degree, expected) in degrees {
+        let definition = definition(case, 1e-16).with_degree(degree.parse().unwrap());
+        let surface = golden.surface_of(case, definition);
+        let e = surface.evaluate(&[vector::<D>(&case["x"])], Want::ALL);
+        let label = format!("{label} degree {degree}");
+        assert_eq!((e.status[0], e.degree[0].to_string()), (Status::Ok, degree.clone()), "{label}");
+        let sign = dot(e.frame_normal[0], vector(&case["n"])).signum();
+        close(
+            sign * e.value[0],
+            expected["f"].as_f64().unwrap(),
+            1e-10 * e.support[0],
+            &format!("{label} f"),
+        );
+        let gradient = vector::<D>(&expected["gradient"]);
+        let error = length(sub(scale(e.gradient[0], sign), gradient));
+        close(error, 0.0, 1e-10 * length(gradient).max(1.0), &format!("{label} gradient"));
+    }
 }
 
 fn projections<const D: usize>(golden: &Golden<D>, case: &Value, label: &str) {

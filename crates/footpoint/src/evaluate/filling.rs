@@ -34,6 +34,7 @@ pub(super) struct Columns<'c, const D: usize> {
     principal: Numbers<'c, 2>,
     directions: Numbers<'c, D>,
     sigma: Numbers<'c, 1>,
+    degree: Counts<'c>,
     status: &'c Statuses,
     has_gradient: bool,
     /// Whether any of the columns is wanted that take some work for each row.
@@ -48,7 +49,7 @@ impl<'c, const D: usize> Columns<'c, D> {
         (status, has_gradient): (&'c Statuses, bool),
     ) -> Self {
         let bent = want.contains(Want::CURVATURE);
-        let derived = [Want::ECCENTRICITY, Want::HESSIAN, Want::CURVATURE, Want::SIGMA];
+        let derived = [Want::ECCENTRICITY, Want::HESSIAN, Want::CURVATURE, Want::SIGMA, Want::DEGREE];
         Self {
             surface,
             own,
@@ -79,6 +80,7 @@ impl<'c, const D: usize> Columns<'c, D> {
             principal: Numbers::rows(&mut to.curvature.principal, rows, bent),
             directions: Numbers::matrices(&mut to.curvature.directions, rows, bent),
             sigma: Numbers::values(&mut to.sigma, rows, want.contains(Want::SIGMA)),
+            degree: Counts::values(&mut to.degree, rows, want.contains(Want::DEGREE)),
             status,
             has_gradient,
             has_derived: derived.into_iter().any(|column| want.contains(column)),
@@ -139,6 +141,7 @@ impl<'c, const D: usize> Columns<'c, D> {
     fn put_derived(&self, row: usize, position: &Position<D>, (answers, lane): (&Answers<D>, usize)) {
         let (local, extra) = (answers.local(lane), answers.extra(lane));
         let hessian = answers.hessian(lane);
+        self.degree.put(row, if local.value.is_nan() { 0 } else { u32::from(extra.degree) });
         self.eccentricity.put(row, [local.across() / local.support]);
         self.hessian.put_matrix(row, hessian.map(|r| scale(r, 1.0 / self.surface.grid.unit)));
         if self.mean.is_wanted() {

@@ -3,8 +3,9 @@
 use super::batch::Task;
 use crate::algebra::{Matrix, dot, length, tangential};
 use crate::definition::Definition;
+use crate::engine::Heights;
 use crate::field::NormalField;
-use crate::lane::Number;
+use crate::lane::{Lane, Number};
 use crate::status::Status;
 
 /// Positions of the widest block.
@@ -45,6 +46,10 @@ pub(crate) struct Answers<const D: usize> {
     pub(super) hessian: [[[f64; LANES]; D]; D],
     /// n·Nv: zero where no normal of a sample decided the sign.
     pub(super) along: [f64; LANES],
+    /// Degree of the polynomial.
+    pub(super) degree: [f64; LANES],
+    /// The polynomials of higher degree: with the sensitivity.
+    heights: Option<Box<Heights<[f64; LANES], D>>>,
 }
 
 impl<const D: usize> Answers<D> {
@@ -67,6 +72,8 @@ impl<const D: usize> Answers<D> {
         turn: [[f64::NAN; LANES]; D],
         hessian: [[[f64::NAN; LANES]; D]; D],
         along: [0.0; LANES],
+        degree: [0.0; LANES],
+        heights: None,
     };
 
     /// Takes f from where it was computed to where it was asked for, and replaces what does not exist by NaN.
@@ -83,7 +90,10 @@ impl<const D: usize> Answers<D> {
             self.weight_sum[i] = keep(exists[i], self.weight_sum[i]);
             self.effective_neighbours[i] = keep(exists[i], self.effective_neighbours[i]);
             self.support[i] = keep(exists[i], self.support[i]);
-            self.sensitivity[i] = keep(framed[i], self.sensitivity[i]);
+            self.degree[i] = if framed[i] { self.degree[i] } else { 0.0 };
+            // No polynomial, no f.
+            let answered = framed[i] && !self.value[i].is_nan();
+            self.sensitivity[i] = keep(answered, self.sensitivity[i]);
         }
         let has_matrix = task.field != NormalField::AveragedNormals;
         let mut squares = [0.0; LANES];
@@ -132,6 +142,16 @@ impl<const D: usize> Answers<D> {
         })
     }
 
+    /// Keeps the polynomials of as many lanes as a vector has, the first of them this one.
+    #[inline(always)]
+    pub(super) fn put_heights<L: Lane>(&mut self, first: usize, heights: &Heights<L, D>) {
+        let kept = self.heights.get_or_insert_with(|| Box::new(heights.map(|_| [f64::NAN; LANES])));
+        **kept = kept.joined(heights, |mut lanes, vector| {
+            vector.write(&mut lanes[first..first + L::WIDTH]);
+            lanes
+        });
+    }
+
     /// One position's answers.
     #[inline(always)]
     pub(crate) fn local(&self, lane: usize) -> Local<D> {
@@ -166,6 +186,8 @@ impl<const D: usize> Answers<D> {
             sensitivity: self.sensitivity[lane],
             variance: if self.value[lane].is_nan() { f64::NAN } else { self.variance[lane] },
             turn: at(&self.turn, lane),
+            degree: self.degree[lane] as u8,
+            heights: self.heights.as_ref().map(|heights| heights.map(|lanes| lanes[lane])),
         }
     }
 }
@@ -188,6 +210,10 @@ pub(crate) struct Extra<const D: usize> {
     pub(crate) variance: f64,
     /// g of the frame.
     pub(crate) turn: [f64; D],
+    /// Degree of the polynomial.
+    pub(crate) degree: u8,
+    /// The polynomial of higher degree.
+    pub(crate) heights: Option<Heights<f64, D>>,
 }
 
 /// The frame, f and ∇f at one position, lengths in units of the grid. Quantities that do not exist are NaN.

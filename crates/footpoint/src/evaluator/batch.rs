@@ -6,16 +6,17 @@
 mod hessian;
 
 use super::answers::{Answers, LANES};
-use super::levin;
+use super::{heights, levin};
 use crate::algebra::{dot, each};
 use crate::definition::Kind;
 use crate::engine::{
-    Candidates, Culled, Extent, Frame, FrameSums, General, List, Mode, Moved, Place, Plain, Position,
-    Resting, Statistics, first_pass, second_pass, sensitivity, statistics,
+    Candidates, Culled, Extent, Frame, FrameSums, General, HeightSums, Heights, List, Mode, Moved, Place,
+    Plain, Position, Resting, Statistics, first_pass, second_pass, sensitivity, statistics,
 };
 use crate::field::NormalField;
 use crate::frame::{Fit, LevinFit, fit, gradient, levin_gradient};
 use crate::grid::Grid;
+use crate::heights::{Degrees, heights_gradient};
 use crate::lane::{Lane, Number, vectorized};
 use crate::weight::{Kernel, Weight, with_kernel};
 use fearless_simd::Level;
@@ -36,6 +37,7 @@ pub(super) struct Task {
     pub(super) weight: Weight,
     pub(super) kind: Kind,
     pub(super) field: NormalField,
+    pub(super) degrees: Degrees,
     pub(super) domain_ratio: f64,
     /// Supports or factors differ.
     pub(super) varied: bool,
@@ -62,6 +64,11 @@ impl Task {
     /// What dual numbers run in.
     pub(super) fn needs_general_columns(&self) -> bool {
         self.varied || self.hessian
+    }
+
+    /// The field whose sums the first pass takes: polynomials need the second moments of every frame.
+    fn summed(&self) -> NormalField {
+        if self.degrees.asked > 0 { NormalField::CentredCovariance } else { self.field }
     }
 
     fn needs_statistics(&self) -> bool {
@@ -130,10 +137,15 @@ pub(super) struct Batch<N: Number, const D: usize> {
     pub(super) units: Vec<Unit<N, D>>,
     /// One a unit for Levin's surface; empty for others.
     pub(super) levin: Vec<LevinFit<N::Slot, D>>,
+    /// One a unit for surfaces of higher degree; empty for others.
+    pub(super) moments: Vec<HeightSums<N::Slot>>,
+    pub(super) heights: Vec<Heights<N::Slot, D>>,
     places: Vec<u32>,
     ends: Vec<usize>,
     /// Closeness of every candidate to every position, unit by unit.
     pub(super) kept: Vec<N::Slot>,
+    /// θ and ψ likewise, for surfaces of higher degree.
+    pub(super) weights: Vec<[N::Slot; 2]>,
     turnings: Turnings<N, D>,
     answers: Vec<Answers<D>>,
 }
@@ -146,9 +158,12 @@ impl<N: Culled, const D: usize> Batch<N, D> {
             boxes: Vec::new(),
             units: Vec::new(),
             levin: Vec::new(),
+            moments: Vec::new(),
+            heights: Vec::new(),
             places: Vec::new(),
             ends: Vec::new(),
             kept: Vec::new(),
+            weights: Vec::new(),
             turnings: Turnings::default(),
             answers: Vec::new(),
         }
@@ -240,6 +255,11 @@ fn run_stages(task: &Task, batch: &mut dyn Any, announce: &dyn Fn(usize, Pass)) 
         let Some(batch) = batch.downcast_mut::<Batch<N, D>>() else { return };
         if task.kind == Kind::Levin {
             return levin::stages::<N, D>(task, batch, announce);
+        }
+        match task.degrees.asked {
+            0 => {}
+            1 | 2 => return heights::stages::<N, D, 2>(task, batch, announce),
+            _ => return heights::stages::<N, D, 3>(task, batch, announce),
         }
         // Positions of 32 bits have no offset: they lie on the lattice.
         match (task.varied, task.moved && N::HAS_OFFSETS) {
@@ -340,7 +360,7 @@ fn value_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
             let (own, after) = rest.split_at_mut(list.places.len());
             rest = after;
             let x = place::<N, L, D>(token, block, lane);
-            let sums = first_pass::<L, K, M, D>(kernel, list, &x, task.field, own);
+            let sums = first_pass::<L, K, M, D>(kernel, list, &x, task.summed(), own);
             unit.sums = sums.map(stored::<N, L>);
             if task.needs_statistics() {
                 let sums = statistics::<L, K, D>((token, task.varied), kernel, list, own, task.domain_ratio);
@@ -402,15 +422,22 @@ fn answers<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, ba
         put(&mut out.weight_sum, weight);
         put(&mut out.support, load(unit.sums.scales) / weight);
         put(&mut out.gap, gap);
-        put(&mut out.value, levin.map_or(-dot(frame.normal, frame.aside), |levin| levin.value));
+        let heights = batch.heights.get(number);
+        let value = match (levin, heights) {
+            (Some(levin), _) => levin.value,
+            (_, Some(heights)) => -load(heights.coefficients[0]),
+            _ => -dot(frame.normal, frame.aside),
+        };
+        put(&mut out.value, value);
         if batch.candidates.columns.has_normals() {
             put(&mut out.along, dot(frame.normal, each(|k| load(unit.sums.normals[k]))));
         }
         let second = each(|k| load(unit.second[k]));
-        let gradient = match levin {
+        let gradient = match (levin, heights) {
             _ if !task.gradient => frame.normal,
-            Some(levin) => levin_gradient(&levin, weight, second),
-            None => gradient(task.field, &frame, weight, second),
+            (Some(levin), _) => levin_gradient(&levin, weight, second),
+            (_, Some(heights)) => heights_gradient(each(|k| load(heights.closed[k])), weight, second),
+            _ => gradient(task.field, &frame, weight, second),
         };
         for k in 0..D {
             put(&mut out.aside[k], frame.aside[k]);
@@ -434,6 +461,12 @@ fn answers<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, ba
             put(&mut out.variance, noisy / (weight * weight));
             for k in 0..D {
                 put(&mut out.turn[k], levin.map_or(frame.turn[k], |levin| levin.frame.turn[k]));
+            }
+        }
+        if let Some(heights) = heights {
+            put(&mut out.degree, load(heights.degree));
+            if task.sensitivity {
+                out.put_heights(lanes.start, &heights.map(load));
             }
         }
     }

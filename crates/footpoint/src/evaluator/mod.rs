@@ -2,6 +2,7 @@
 
 mod answers;
 mod batch;
+mod heights;
 mod levin;
 #[cfg(test)]
 mod levin_tests;
@@ -13,6 +14,7 @@ use crate::definition::{Definition, Kind};
 pub(crate) use crate::engine::Position;
 use crate::engine::{Culled, Extent};
 use crate::grid::{Grid, Store};
+use crate::heights::Degrees;
 pub(crate) use answers::{Answers, Extra, Local};
 pub(crate) use batch::Pass;
 use batch::{Announce, Batch, Task, taken_at};
@@ -54,13 +56,17 @@ enum Work<const D: usize> {
 
 impl<'s, const D: usize> Evaluator<'s, D> {
     pub(crate) fn new(grid: &'s Grid<D>, definition: &Definition, level: Level, wanted: Wanted) -> Self {
-        // The sums of Levin's surface run in general mode.
-        let varied = definition.kind() == Kind::Levin || !grid.scales.is_empty() || !grid.factors.is_empty();
+        let degrees =
+            Degrees { asked: usize::from(definition.degree()), fallback: definition.degree_fallback() };
+        // Sums of Levin's surface and of higher degrees run in general mode.
+        let general = definition.kind() == Kind::Levin || degrees.asked > 0;
+        let varied = general || !grid.scales.is_empty() || !grid.factors.is_empty();
         let task = Task {
             level,
             weight: definition.weight(),
             kind: definition.kind(),
             field: definition.field(),
+            degrees,
             domain_ratio: definition.domain_ratio(),
             varied,
             moved: wanted.moving,

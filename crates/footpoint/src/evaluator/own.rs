@@ -3,7 +3,7 @@
 use super::{Extra, Local};
 use crate::algebra::scale;
 use crate::definition::{Definition, Kind};
-use crate::engine::{Frame, Position, Weighted, levin_share, sensitivity_to};
+use crate::engine::{Frame, Position, Weighted, heights_share, levin_share, sensitivity_to};
 use crate::grid::Grid;
 use crate::weight::{Kernel, with_kernel};
 
@@ -24,6 +24,10 @@ pub(crate) fn own_sensitivity<const D: usize>(
         [kernel.theta(closeness), kernel.psi(closeness) / (h * h), kernel.chi(closeness) / (h * h * h * h)]
     });
     let normal = std::array::from_fn(|k| grid.normals[k].get(place).copied().unwrap_or(0.0));
+    if let Some(heights) = &extra.heights {
+        let share = heights_share((definition.field(), heights), (d, normal), [factor * theta, factor * psi]);
+        return scale(share, -1.0 / extra.weight_sum);
+    }
     let frame = Frame { normal: local.normal, aside: local.aside, turn: extra.turn };
     if definition.kind() == Kind::Levin {
         let share = levin_share((&frame, local.value), d, [theta, psi, chi]);

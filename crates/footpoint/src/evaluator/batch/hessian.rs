@@ -5,10 +5,13 @@ use crate::algebra::each;
 use crate::definition::Kind;
 use crate::dual::Dual;
 use crate::engine::{
-    Culled, Frame, FrameSums, General, Place, first_pass, levin_second_pass, levin_sums, second_pass,
+    Culled, Frame, FrameSums, General, HeightSums, Heights, Place, first_pass, height_sums, height_weights,
+    heights_second_pass, levin_second_pass, levin_sums, second_pass,
 };
 use crate::frame::{Fit, LevinFit, fit, fit_levin, gradient, levin_gradient};
+use crate::heights::{fit_heights, heights_gradient};
 use crate::lane::{Lane, Number, vectorized_narrow};
+use crate::polynomial::{HIGHEST, Plane};
 use crate::weight::{Kernel, with_kernel};
 
 /// A dual number in every lane.
@@ -29,13 +32,19 @@ pub(super) struct Turning<N: Number, const D: usize> {
 #[derive(Debug)]
 pub(super) struct Turnings<N: Number, const D: usize> {
     units: Vec<Turning<N, D>>,
+    /// One a unit for surfaces of higher degree.
+    moments: Vec<HeightSums<Pair<N>>>,
+    heights: Vec<Heights<Pair<N>, D>>,
     /// Closeness of every candidate to every position, unit by unit.
     kept: Vec<Pair<N>>,
+    /// θ and ψ likewise, for surfaces of higher degree.
+    weights: Vec<[Pair<N>; 2]>,
 }
 
 impl<N: Number, const D: usize> Default for Turnings<N, D> {
     fn default() -> Self {
-        Self { units: Vec::new(), kept: Vec::new() }
+        let (units, moments, heights) = (Vec::new(), Vec::new(), Vec::new());
+        Self { units, moments, heights, kept: Vec::new(), weights: Vec::new() }
     }
 }
 
@@ -50,16 +59,37 @@ pub(super) fn hessians<N: Culled, const D: usize>(task: &Task, batch: &mut Batch
             });
         });
         vectorized_narrow!(task.level, simd => frames::<N::Lanes<_>, N, D>(simd, task, &mut turnings));
-        with_kernel!(task.weight, kernel => {
-            vectorized_narrow!(task.level, simd => {
-                gradient_sums::<N::Lanes<_>, N, _, D>((simd, kernel, task), along, batch, &mut turnings);
+        if task.degrees.asked > 0 {
+            heights::<N, D>(task, along, batch, &mut turnings);
+        } else {
+            with_kernel!(task.weight, kernel => {
+                vectorized_narrow!(task.level, simd => {
+                    gradient_sums::<N::Lanes<_>, N, _, D>((simd, kernel, task), along, batch, &mut turnings);
+                });
             });
-        });
+        }
         vectorized_narrow!(task.level, simd => {
             rows::<N::Lanes<_>, N, D>((simd, task), along, batch, &turnings);
         });
     }
     batch.turnings = turnings;
+}
+
+/// The stages of higher degree, all of them in the code of the highest: what a lower one leaves out is zero there.
+fn heights<N: Culled, const D: usize>(
+    task: &Task,
+    along: usize,
+    batch: &Batch<N, D>,
+    turnings: &mut Turnings<N, D>,
+) {
+    with_kernel!(task.weight, kernel => {
+        vectorized_narrow!(task.level, simd => weights::<N::Lanes<_>, N, _, D>((simd, kernel), batch, turnings));
+    });
+    vectorized_narrow!(task.level, simd => moments::<N::Lanes<_>, N, D>(simd, along, batch, turnings));
+    vectorized_narrow!(task.level, simd => polynomials::<N::Lanes<_>, N, D>(simd, task, turnings));
+    vectorized_narrow!(task.level, simd => {
+        heights_gradient_sums::<N::Lanes<_>, N, D>((simd, task), along, batch, turnings);
+    });
 }
 
 #[inline(always)]
@@ -100,7 +130,7 @@ fn value_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
             let (own, after) = rest.split_at_mut(list.places.len());
             rest = after;
             let x = moving(&place::<N, L, D>(token, block, lane), along);
-            let sums = first_pass::<Dual<L>, K, General, D>(kernel, list, &x, task.field, own);
+            let sums = first_pass::<Dual<L>, K, General, D>(kernel, list, &x, task.summed(), own);
             let zero = [N::ZERO_SLOT; 2];
             let frame = Frame { normal: [zero; D], aside: [zero; D], turn: [zero; D] };
             turnings.units.push(Turning {
@@ -150,6 +180,82 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
     }
 }
 
+#[inline(always)]
+fn weights<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
+    (token, kernel): (L::Token, K),
+    batch: &Batch<N, D>,
+    turnings: &mut Turnings<N, D>,
+) {
+    if turnings.weights.len() < turnings.kept.len() {
+        turnings.weights.resize(turnings.kept.len(), [[N::ZERO_SLOT; 2]; 2]);
+    }
+    let mut begin = 0;
+    for unit in &turnings.units {
+        let list = batch.list(unit.block);
+        let own = begin..begin + list.places.len();
+        begin = own.end;
+        let columns = (&turnings.kept[own.clone()], &mut turnings.weights[own]);
+        height_weights::<Dual<L>, K, D>(token, kernel, list, columns);
+    }
+}
+
+#[inline(always)]
+fn moments<L: Of<N>, N: Culled, const D: usize>(
+    token: L::Token,
+    along: usize,
+    batch: &Batch<N, D>,
+    turnings: &mut Turnings<N, D>,
+) {
+    turnings.moments.clear();
+    let mut begin = 0;
+    for unit in &turnings.units {
+        let list = batch.list(unit.block);
+        let weights = &turnings.weights[begin..begin + list.places.len()];
+        begin += list.places.len();
+        let x = moving(&place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane), along);
+        let load = |pair: Pair<N>| Dual::<L>::load(token, &pair);
+        let support = load(unit.sums.scales) / load(unit.sums.weight);
+        let plane = Plane::new(each(|k| load(unit.fit.frame.normal[k])), support);
+        let sums = height_sums::<Dual<L>, D, HIGHEST>(list, &x, &plane, weights);
+        turnings.moments.push(sums.map(stored::<N, L>));
+    }
+}
+
+#[inline(always)]
+fn polynomials<L: Of<N>, N: Culled, const D: usize>(
+    token: L::Token,
+    task: &Task,
+    turnings: &mut Turnings<N, D>,
+) {
+    let load = |pair: Pair<N>| Dual::<L>::load(token, &pair);
+    turnings.heights.clear();
+    for (unit, moments) in turnings.units.iter().zip(&turnings.moments) {
+        let (sums, fit) = (unit.sums.map(load), unit.fit.map(load));
+        let how = (task.field, task.degrees);
+        let found = fit_heights::<Dual<L>, D, HIGHEST>(how, &sums, &fit, &moments.map(load));
+        turnings.heights.push(found.map(stored::<N, L>));
+    }
+}
+
+#[inline(always)]
+fn heights_gradient_sums<L: Of<N>, N: Culled, const D: usize>(
+    (token, task): (L::Token, &Task),
+    along: usize,
+    batch: &Batch<N, D>,
+    turnings: &mut Turnings<N, D>,
+) {
+    let mut begin = 0;
+    for (unit, heights) in turnings.units.iter_mut().zip(&turnings.heights) {
+        let list = batch.list(unit.block);
+        let weights = &turnings.weights[begin..begin + list.places.len()];
+        begin += list.places.len();
+        let x = moving(&place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane), along);
+        let fit = heights.map(|pair: Pair<N>| Dual::<L>::load(token, &pair));
+        let second = heights_second_pass::<Dual<L>, D, HIGHEST>(list, &x, (task.field, &fit), weights);
+        unit.second = each(|k| stored::<N, L>(second[k]));
+    }
+}
+
 /// How ∇f changes along the axis.
 #[inline(always)]
 fn rows<L: Of<N>, N: Culled, const D: usize>(
@@ -159,11 +265,13 @@ fn rows<L: Of<N>, N: Culled, const D: usize>(
     turnings: &Turnings<N, D>,
 ) {
     let load = |pair: Pair<N>| Dual::<L>::load(token, &pair);
-    for unit in &turnings.units {
+    for (number, unit) in turnings.units.iter().enumerate() {
         let second = each(|k| load(unit.second[k]));
         let weight = load(unit.sums.weight);
         let gradient = if task.kind == Kind::Levin {
             levin_gradient(&unit.levin.map(load), weight, second)
+        } else if task.degrees.asked > 0 {
+            heights_gradient(each(|k| load(turnings.heights[number].closed[k])), weight, second)
         } else {
             gradient(task.field, &unit.fit.frame.map(load), weight, second)
         };
