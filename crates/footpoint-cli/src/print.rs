@@ -1,6 +1,6 @@
 //! Reports in words.
 
-use footpoint_jobs::{InfoReport, NoiseSource, Report, Status};
+use footpoint_jobs::{DegreeAim, DegreeChoice, InfoReport, NoiseSource, Report, Status};
 use std::fmt::Write;
 
 /// How much to say.
@@ -73,6 +73,9 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             writeln!(out, "  noise of the samples {noise}; expected error of the surface {error} rms")?;
             let (from_noise, from_bias) = (short(choice.error_from_noise), short(choice.error_from_bias));
             writeln!(out, "    {from_noise} from noise, {from_bias} from curvature")?;
+        }
+        if let Some(choice) = &surface.degree_choice {
+            write_degree(out, choice)?;
         }
         if let (Some(sigma), Some(NoiseSource::Estimated)) = (surface.noise_sigma, &report.recipe.noise) {
             writeln!(out, "noise of the samples {}, estimated from the residuals", short(sigma))?;
@@ -186,6 +189,26 @@ fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {
     }
     if let Some(problem) = &info.problem {
         writeln!(out, "no surface: {problem}")?;
+    }
+    Ok(())
+}
+
+/// The degree that was chosen, and what was expected of every one.
+fn write_degree(out: &mut String, choice: &DegreeChoice) -> std::fmt::Result {
+    let aim = match choice.aim {
+        DegreeAim::Position => "positions",
+        DegreeAim::Normal => "normals",
+    };
+    writeln!(out, "degree {} chosen for the least error of {aim}; expected, rms:", choice.degree)?;
+    for evidence in &choice.evidence {
+        writeln!(
+            out,
+            "  degree {}: position {}, normal {:.3} degrees, {:.1} % ok",
+            evidence.degree,
+            short(evidence.position),
+            evidence.normal.to_degrees(),
+            100.0 * evidence.ok
+        )?;
     }
     Ok(())
 }

@@ -226,19 +226,77 @@ fn levins_surface_and_levins_projection() {
     let step_one = project(&folder, "--operator levin").0;
     let mut outputs = vec![project(&folder, "").0, project(&folder, "--surface levin").0, step_one.clone()];
     for degree in 0..=4 {
-        let (output, report) = project(&folder, &format!("--operator levin --degree {degree}"));
+        let (output, report) = project(&folder, &format!("--operator levin --levin-degree {degree}"));
         assert_eq!(report["project"]["operator"]["levin"]["degree"], degree);
         outputs.push(output);
         folder.write("degree.json", serde_json::to_string(&report).unwrap());
     }
     all_differ(&outputs);
     assert_eq!(project(&folder, "--definition degree.json").0, outputs[7]);
-    assert_eq!(project(&folder, "--definition degree.json --degree 2").0, outputs[5]);
+    assert_eq!(project(&folder, "--definition degree.json --levin-degree 2").0, outputs[5]);
     assert_eq!(project(&folder, "--definition degree.json --operator levin").0, step_one);
     assert_eq!(project(&folder, "--operator levin --surface levin").0, step_one);
-    let ran = folder.run("project cloud.csv -o no.csv --degree 2");
-    assert!(ran.code == 2 && ran.stderr.contains("--degree belongs to --operator levin"), "{ran:?}");
-    assert_eq!(folder.run("project cloud.csv -o no.csv --operator levin --degree 5").code, 2);
+    let ran = folder.run("project cloud.csv -o no.csv --levin-degree 2");
+    assert!(ran.code == 2 && ran.stderr.contains("--levin-degree belongs to --operator levin"), "{ran:?}");
+    assert_eq!(folder.run("project cloud.csv -o no.csv --operator levin --levin-degree 5").code, 2);
+}
+
+#[test]
+fn degrees_and_their_fallback() {
+    let folder = folder();
+    let (plain, report) = evaluate(&folder, "--auto 24");
+    assert_eq!(report["definition"]["kind"]["point_set"]["degree"], 0);
+    assert_eq!(evaluate(&folder, "--auto 24 --degree 0").0, plain);
+    let (quadratic, report) = evaluate(&folder, "--auto 24 --degree 2");
+    assert_eq!(report["definition"]["kind"]["point_set"]["degree"], 2);
+    folder.write("quadratic.json", serde_json::to_string(&report).unwrap());
+    assert_eq!(evaluate(&folder, "--definition quadratic.json").0, quadratic);
+    assert_eq!(evaluate(&folder, "--definition quadratic.json --degree 0").0, plain);
+    let averaged = evaluate(&folder, "--definition quadratic.json --field averaged").0;
+    all_differ(&[plain, quadratic, averaged, evaluate(&folder, "--auto 24 --degree 3").0]);
+
+    // So few neighbours that a cubic is not determined everywhere.
+    let degrees = |options: &str| {
+        folder.report(&format!(
+            "evaluate cloud.csv --at cloud.csv -o d.csv --force --auto 4 --with degree {options}"
+        ));
+        let table = folder.csv("d.csv");
+        (table.words("status"), table.numbers("degree"))
+    };
+    let (status, degree) = degrees("--degree 3");
+    assert!(status.iter().any(|s| s == "degenerate"));
+    assert!(status.iter().zip(&degree).all(|(s, &d)| d == if s == "degenerate" { 0.0 } else { 3.0 }));
+    let (status, degree) = degrees("--degree 3 --degree-fallback");
+    assert!(status.iter().all(|s| s != "degenerate"));
+    assert!(degree.contains(&2.0) && degree.contains(&3.0));
+
+    for (options, problem) in [
+        ("--degree 4", "degree 4: it must be 0, 1, 2 or 3"),
+        ("--degree two", "it must be 0, 1, 2, 3 or `auto`"),
+        ("--degree 2 --field covariance", "use centred covariance or averaged normals"),
+        ("--degree 2 --surface levin", "--degree belongs to --surface pss"),
+    ] {
+        let ran = folder.run(&format!("evaluate cloud.csv --at queries.csv -o no.csv {options}"));
+        assert!(ran.code == 2 && ran.stderr.contains(problem), "{options}: {ran:?}");
+    }
+}
+
+#[test]
+fn an_automatic_degree_is_what_the_report_says_it_is() {
+    let folder = folder();
+    let (automatic, report) = evaluate(&folder, "--auto 64 --degree auto");
+    let chosen = report["surface"]["degree_choice"]["degree"].as_u64().unwrap();
+    assert_eq!(report["surface"]["degree_choice"]["aim"], "position");
+    assert_eq!(report["definition"]["kind"]["point_set"]["degree"], chosen);
+    assert!(chosen > 0, "{report}");
+    assert_eq!(evaluate(&folder, &format!("--auto 64 --degree {chosen}")).0, automatic);
+    folder.write("chosen.json", serde_json::to_string(&report).unwrap());
+    assert_eq!(evaluate(&folder, "--definition chosen.json").0, automatic);
+    let normals = folder.report("normals cloud.csv -o n.csv --degree auto");
+    assert_eq!(normals["surface"]["degree_choice"]["aim"], "normal");
+    assert_eq!(normals["surface"]["degree_choice"]["evidence"].as_array().unwrap().len(), 3);
+    let said = folder.run("normals cloud.csv -o n.csv --force --degree auto");
+    assert!(said.stderr.contains("chosen for the least error of normals"), "{said:?}");
 }
 
 #[test]

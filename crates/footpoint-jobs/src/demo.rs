@@ -5,7 +5,7 @@ use crate::info::median;
 use crate::load::surface_of_cloud;
 use crate::output::{Naming, set_numbers, set_vectors};
 use crate::project::{moved, projection_columns};
-use crate::report::{Report, SurfaceReport};
+use crate::report::Report;
 use crate::scan::{ScanPlan, Vessel, scan};
 use crate::{Context, JobError};
 use footpoint::{Cloud, Project, Queries, Status, Want};
@@ -64,8 +64,7 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
     set_vectors(&mut table, coordinate, &scan.points);
     table.set(Column::new("station", Data::U8(scan.station)));
     let cloud = Cloud::new(scan.points);
-    let surface = surface_of_cloud(cloud, "the simulated scan", context, &mut report.times)?;
-    report.surface = Some(SurfaceReport::of(&surface));
+    let surface = surface_of_cloud(cloud, "the simulated scan", context, &mut report)?;
 
     let (evaluated, projected) = timed(&mut report.times.compute, || -> Result<_, JobError> {
         let running = surface.with(&context.run);

@@ -28,6 +28,8 @@ pub enum Extra {
     Curvature,
     /// `sigma`: the standard deviation of f from the samples' noise.
     Sigma,
+    /// `degree`: the degree of the polynomial that answered.
+    Degree,
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -160,11 +162,12 @@ impl Extra {
             }
             Self::Curvature => set_curvatures(table, &result.curvature),
             Self::Sigma => set_numbers(table, "sigma", result.sigma.clone()),
+            Self::Degree => set_counts(table, "degree", result.degree.clone()),
         }
     }
 
     /// Every extra column with the name that asks for it.
-    pub const ALL: [(&'static str, Self); 8] = [
+    pub const ALL: [(&'static str, Self); 9] = [
         ("weight_sum", Self::WeightSum),
         ("eigenvalues", Self::Eigenvalues),
         ("squared_sensitivity", Self::SquaredSensitivity),
@@ -173,6 +176,7 @@ impl Extra {
         ("hessian", Self::Hessian),
         ("curvature", Self::Curvature),
         ("sigma", Self::Sigma),
+        ("degree", Self::Degree),
     ];
 
     fn want(self) -> Want {
@@ -185,6 +189,7 @@ impl Extra {
             Self::Hessian => Want::HESSIAN,
             Self::Curvature => Want::CURVATURE,
             Self::Sigma => Want::SIGMA,
+            Self::Degree => Want::DEGREE,
         }
     }
 }

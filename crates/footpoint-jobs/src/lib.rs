@@ -31,8 +31,8 @@ pub use report::{
 
 /// What the jobs take from the library, so that a front needs no other crate.
 pub use footpoint::{
-    Acceptance, Definition, Kind, NonOrientable, NormalField, NormalSource, Operator, Precision, Progress,
-    Project, Run, Status, Support, Weight,
+    Acceptance, Definition, DegreeAim, DegreeChoice, Kind, NonOrientable, NormalField, NormalSource,
+    Operator, Precision, Progress, Project, Run, Status, Support, Weight,
 };
 pub use footpoint_io::Overwrite;
 

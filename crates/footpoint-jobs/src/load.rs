@@ -150,36 +150,42 @@ impl Loaded {
         report: &mut Report,
     ) -> Result<Surface<D>, JobError> {
         let cloud = self.cloud::<D>(&context.recipe)?;
-        let built = surface_of_cloud(cloud, &self.path, context, &mut report.times);
-        let mut surface = built.map_err(|error| match error {
+        surface_of_cloud(cloud, &self.path, context, report).map_err(|error| match error {
             JobError::Surface { .. } if self.input.table.rows() == 0 => JobError::NoPoints(self.path.clone()),
             other => other,
-        })?;
-        if context.recipe.noise == Some(NoiseSource::Estimated) {
-            let run = context.run.silent();
-            let estimate = timed(&mut report.times.compute, || surface.with(&run).estimate_noise())?;
-            surface = surface
-                .with_uniform_noise(estimate.sigma)
-                .map_err(|problem| JobError::Noise { path: self.path.clone(), problem })?;
-        }
-        report.surface = Some(SurfaceReport::of(&surface));
-        Ok(surface)
+        })
     }
 }
 
-/// Indexes a cloud by the context's definition; errors name it as `path`.
+/// Indexes a cloud by the context's definition, and finds what the recipe leaves to be found; errors name it as `path`.
 pub(crate) fn surface_of_cloud<const D: usize>(
     cloud: Cloud<D>,
     path: &str,
     context: &Context<'_>,
-    times: &mut Times,
+    report: &mut Report,
 ) -> Result<Surface<D>, JobError> {
     let run = context.run.silent();
-    let built = timed(&mut times.index, || Surface::build(cloud, context.definition(), &run));
-    built.map_err(|problem| match problem {
+    let wrong = |problem: Error| match problem {
         Error::Cancelled(_) => JobError::Cancelled,
         problem => JobError::Surface { path: path.to_owned(), problem },
-    })
+    };
+    let built = timed(&mut report.times.index, || Surface::build(cloud, context.definition(), &run));
+    let mut surface = built.map_err(wrong)?;
+    let mut degree_choice = None;
+    if let Some(aim) = context.recipe.choose_degree {
+        let choice = timed(&mut report.times.compute, || surface.with(&run).choose_degree(aim))?;
+        surface = surface.with_degree(choice.degree).map_err(|problem| wrong(problem.into()))?;
+        report.recipe.definition = report.recipe.definition.with_degree(choice.degree);
+        degree_choice = Some(choice);
+    }
+    if context.recipe.noise == Some(NoiseSource::Estimated) {
+        let estimate = timed(&mut report.times.compute, || surface.with(&run).estimate_noise())?;
+        surface = surface
+            .with_uniform_noise(estimate.sigma)
+            .map_err(|problem| JobError::Noise { path: path.to_owned(), problem })?;
+    }
+    report.surface = Some(SurfaceReport { degree_choice, ..SurfaceReport::of(&surface) });
+    Ok(surface)
 }
 
 impl Context<'_> {

@@ -4,7 +4,9 @@ use crate::clock::Times;
 use crate::demo::DemoReport;
 use crate::info::InfoReport;
 use crate::orient::OrientationReport;
-use footpoint::{Definition, Noise, Project, Sign, Status, SupportChoice, SupportSummary, Surface};
+use footpoint::{
+    Definition, DegreeAim, DegreeChoice, Noise, Project, Sign, Status, SupportChoice, SupportSummary, Surface,
+};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -65,6 +67,9 @@ pub struct Recipe {
     /// Where the noise of the samples is from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseSource>,
+    /// Chooses the degree before anything else; the definition in the report then has it.
+    #[serde(skip)]
+    pub choose_degree: Option<DegreeAim>,
     /// Noise of foreign points, a standard deviation in the unit of the files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub query_noise: Option<f64>,
@@ -125,6 +130,9 @@ pub struct SurfaceReport {
     /// The evidence for them, where the rule was that of least error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub support_choice: Option<SupportChoice>,
+    /// The evidence for the degree, where it was chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degree_choice: Option<DegreeChoice>,
     /// Whether signs mean something.
     pub sign: Sign,
     /// Samples that take part.
@@ -213,6 +221,7 @@ impl SurfaceReport {
         Self {
             support: surface.support(),
             support_choice: surface.support_choice(),
+            degree_choice: None,
             sign: surface.sign(),
             samples_used: surface.samples_used(),
             samples_absent: surface.cloud().len() - surface.samples_used(),

@@ -84,6 +84,14 @@ impl<const D: usize> Cloud<D> {
         Ok(self)
     }
 
+    /// Some of the samples, with their normals and factors.
+    pub(crate) fn select(&self, rows: &[usize]) -> Self {
+        let mut part = Self::new(rows.iter().map(|&i| self.points[i]).collect::<Vec<_>>());
+        part.normals = self.normals.as_ref().map(|normals| rows.iter().map(|&i| normals[i]).collect());
+        part.factors = self.factors.as_ref().map(|factors| rows.iter().map(|&i| factors[i]).collect());
+        part
+    }
+
     /// Number of samples, absent ones included.
     pub fn len(&self) -> usize {
         self.points.len()

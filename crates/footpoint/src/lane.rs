@@ -6,8 +6,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The numbers that the sums are computed in.
 ///
-/// `Double`: relative accuracy 1e-11 where the gap exceeds 0.1. `Single`: f within 2e-7 of the support's radius (5e-7 for
-/// Levin's surface), n and ∇f/|∇f| within 2e-5 rad (for the Gaussian 2e-5 radii over its h) where the gap exceeds 0.1 and |∇f| 0.3. Samples lie on
+/// `Double`: relative accuracy 1e-11 where the gap exceeds 0.1. `Single`: f within 4e-7 of the support's radius (5e-7 for
+/// Levin's surface), n and ∇f/|∇f| within 2e-5 rad (for the Gaussian 2e-5 radii over its h) where the gap exceeds 0.1 and |∇f| 0.3;
+/// at degrees 2 and 3, with 24 effective neighbours, f within 3e-6 and 1e-5 and angles within 1e-4. Samples lie on
 /// a lattice of some 5e-7 supports there, of the largest if they differ; coordinates may be 2^29 supports.
 ///
 /// In both, errors grow with the samples of a support beyond a hundred, with (|a − x|/size)² where these crowd in a small

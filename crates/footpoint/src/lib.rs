@@ -31,6 +31,7 @@ mod cloud;
 mod columns;
 mod curvature;
 mod definition;
+mod degree;
 mod dual;
 mod eigen;
 mod engine;
@@ -61,6 +62,7 @@ mod written;
 
 pub use cloud::{Cloud, CloudError};
 pub use definition::{Acceptance, Definition, DefinitionError, Error, Kind};
+pub use degree::{DegreeAim, DegreeChoice, DegreeEvidence};
 pub use evaluate::{Curvatures, Evaluations, Want};
 pub use field::NormalField;
 pub use lane::Precision;

@@ -6,8 +6,8 @@ use crate::field::NormalField;
 use crate::grid::{Grid, cell_side};
 use crate::lane::Precision;
 use crate::noise::{Noise, NoiseError};
-use crate::run::Run;
-use crate::support::{SupportChoice, SupportError, SupportSummary, choose};
+use crate::run::{Cancelled, Run};
+use crate::support::{Support, SupportChoice, SupportError, SupportSummary, choose};
 
 /// The surface that a cloud defines: the zero set of f(x) = n(x)·(x − a(x)) (eqs. 2 and 3).
 ///
@@ -90,6 +90,41 @@ impl<const D: usize> Surface<D> {
         self.cloud = self.cloud.with_noise(Noise::Uniform(sigma))?;
         self.grid.noise.clear();
         Ok(self)
+    }
+
+    /// The surface of those samples whose place in the canonical order is kept, each with the radius that it has here. None
+    /// where there is none.
+    pub(crate) fn part(
+        &self,
+        definition: Definition,
+        kept: &dyn Fn(usize) -> bool,
+        run: &Run<'_>,
+    ) -> Result<Option<Self>, Cancelled> {
+        let grid = &self.grid;
+        let places: Vec<usize> = (0..grid.len()).filter(|&place| kept(place)).collect();
+        let rows: Vec<usize> = places.iter().map(|&place| grid.original()[place] as usize).collect();
+        let mut cloud = self.cloud.select(&rows);
+        let mut support = Support::Uniform(self.support.median);
+        if !grid.scales.is_empty() {
+            let radii: Vec<f64> = places.iter().map(|&place| grid.scales[place] * grid.unit).collect();
+            match cloud.with_supports(radii) {
+                Ok(with) => cloud = with,
+                Err(_) => return Ok(None),
+            }
+            support = Support::FromSamples;
+        }
+        match Self::build(cloud, definition.with_support(support), run) {
+            Ok(surface) => Ok(Some(surface)),
+            Err(Error::Cancelled(cancelled)) => Err(cancelled),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// So many samples or fewer, evenly from the canonical order.
+    pub(crate) fn some_samples(&self, most: usize) -> Vec<[f64; D]> {
+        let order = self.grid.original();
+        let stride = order.len().div_ceil(most).max(1);
+        order.iter().step_by(stride).map(|&row| self.cloud.points()[row as usize]).collect()
     }
 
     /// The definition.

@@ -121,7 +121,7 @@ impl<const D: usize> Running<'_, D> {
         let own = Grouped::new(surface, queries, self.run).own_places();
         let feet = self.project(queries, &how.project)?;
         let mut found = Uncertainties { feet, ..Uncertainties::default() };
-        let wanted = Wanted { gradient: true, sensitivity: true, hessian: true, ..Wanted::default() };
+        let wanted = self.wanted();
         let grouped = Grouped::new(surface, Queries::Points(&found.feet.point), self.run);
         let points = queries.points(surface);
         let errors = |row: usize, at: &Position<D>, (answers, lane): (&Answers<D>, usize)| {
@@ -138,7 +138,7 @@ impl<const D: usize> Running<'_, D> {
             };
             let behind = dot(sub(points[row], found.feet.point[row]), local.gradient) < 0.0;
             let signed = surface.sign() == Sign::Given && local.signed;
-            let offset = self.offset(&local, answers.hessian(lane));
+            let offset = self.offset((&local, answers.extra(lane).degree), answers.hessian(lane));
             [(of_surface + of_query).sqrt(), if behind && !signed { -offset } else { offset }]
         };
         {
@@ -160,8 +160,19 @@ impl<const D: usize> Running<'_, D> {
         Ok(found)
     }
 
+    /// ∇²f only where the bias needs it.
+    fn wanted(&self) -> Wanted {
+        let definition = &self.surface.definition;
+        let hessian = definition.degree() < 2 || definition.degree_fallback();
+        Wanted { gradient: true, sensitivity: true, hessian, ..Wanted::default() }
+    }
+
     /// How far the surface lies behind the one that the samples lie on, along −∇f (SPEC § 11).
-    fn offset(&self, local: &Local<D>, hessian: Matrix<f64, D>) -> f64 {
+    fn offset(&self, (local, degree): (&Local<D>, u8), hessian: Matrix<f64, D>) -> f64 {
+        if degree > 1 {
+            // Its bias is of order h⁴, and has no such formula.
+            return 0.0;
+        }
         let bent = Curvature::new(local.gradient, local.surface_normal, hessian);
         // κ h² is a length: one unit of the grid is left.
         let h = local.support;
@@ -179,7 +190,7 @@ impl<const D: usize> Running<'_, D> {
         let rows = surface.cloud.len();
         let grouped = Grouped::new(surface, Queries::Samples, self.run);
         let own = grouped.own_places();
-        let wanted = Wanted { gradient: true, sensitivity: true, hessian: true, ..Wanted::default() };
+        let wanted = self.wanted();
         let mut residuals: Vec<[f64; 2]> = Vec::new();
         {
             let residual = Numbers::rows(&mut residuals, rows, true);
@@ -197,7 +208,7 @@ impl<const D: usize> Running<'_, D> {
                     let known = local.acceptance(&surface.definition).is_ok();
                     let found = [
                         local.value * surface.grid.unit / one,
-                        self.offset(&local, answers.hessian(lane)) / one,
+                        self.offset((&local, answers.extra(lane).degree), answers.hessian(lane)) / one,
                     ];
                     residual.put(row, if known { found } else { [f64::NAN; 2] });
                 });

@@ -13,7 +13,7 @@ const CRATES: [(&str, &[&str]); 4] = [
 ];
 
 /// The library's rooms, lowest first: each may use only those before it.
-const ROOMS: [&str; 29] = [
+const ROOMS: [&str; 32] = [
     "written",
     "lane",
     "dual",
@@ -22,6 +22,7 @@ const ROOMS: [&str; 29] = [
     "samples",
     "curvature",
     "eigen",
+    "polynomial",
     "weight",
     "field",
     "columns",
@@ -34,6 +35,7 @@ const ROOMS: [&str; 29] = [
     "neighbours",
     "engine",
     "frame",
+    "heights",
     "definition",
     "evaluator",
     "surface",
@@ -41,12 +43,13 @@ const ROOMS: [&str; 29] = [
     "variance",
     "evaluate",
     "project",
+    "degree",
     "uncertainty",
     "orient",
 ];
 
 /// Questions see the surface and its evaluator, never the engine or the index.
-const QUESTIONS: [&str; 4] = ["evaluate", "project", "uncertainty", "orient"];
+const QUESTIONS: [&str; 5] = ["evaluate", "project", "degree", "uncertainty", "orient"];
 const INTERNALS: [&str; 2] = ["engine", "grid"];
 
 const LONGEST_FILE: usize = 600;

@@ -3,29 +3,11 @@
 
 mod common;
 
-use common::{add, dot, in_cube, length, median, scale, sub};
+use common::{add, dot, even_torus, in_cube, length, median, scale, sub};
 use footpoint::samples::{Random, Samples};
 use footpoint::{Cloud, Definition, Project, Support, Surface, Weight};
-use std::f64::consts::TAU;
 
 const WEIGHTS: [(Weight, f64); 3] = [(Weight::Poly2, 2.0), (Weight::Poly3, 3.0), (Weight::Poly4, 4.0)];
-
-/// An even sampling of a torus: rings of points, as many on each as its length asks for.
-fn even_torus(major: f64, minor: f64, rings: u32) -> Samples<3> {
-    let mut samples = Samples::default();
-    let spacing = TAU * minor / f64::from(rings);
-    for i in 0..rings {
-        let (sine, cosine) = (TAU * f64::from(i) / f64::from(rings)).sin_cos();
-        let ring = major + minor * cosine;
-        let count = (TAU * ring / spacing).round() as u32;
-        for j in 0..count {
-            let (y, x) = (TAU * (f64::from(j) + 0.5 * f64::from(i % 2)) / f64::from(count)).sin_cos();
-            samples.points.push([ring * x, ring * y, minor * sine]);
-            samples.normals.push([cosine * x, cosine * y, sine]);
-        }
-    }
-    samples
-}
 
 /// The foot on the true surface, its outward normal and the curvature that the bias follows.
 type Truth<const D: usize> = fn([f64; D]) -> ([f64; D], [f64; D], f64);

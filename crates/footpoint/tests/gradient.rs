@@ -54,8 +54,7 @@ fn eigenvector<T: DualNum<Primitive = f64> + Copy, const D: usize>(a: [[T; D]; D
 /// f(x) by its definition, over all samples, in any dual arithmetic; the sign is that of `like`.
 fn brute_force<T: DualNum<Primitive = f64> + Copy, const D: usize>(
     columns: &Columns<D>,
-    weight: Weight,
-    field: NormalField,
+    (weight, field, degree): (Weight, NormalField, u8),
     x: [T; D],
     like: [f64; D],
 ) -> T {
@@ -93,44 +92,112 @@ fn brute_force<T: DualNum<Primitive = f64> + Copy, const D: usize>(
         eigenvector(matrix, field == NormalField::AveragedAxes)
     };
     let sign = if (0..D).map(|k| n[k].re() * like[k]).sum::<f64>() < 0.0 { 1.0 } else { -1.0 };
+    if degree > 0 {
+        return constant_of_fit(&terms, n, degree, columns.radius) * sign;
+    }
     (0..D).fold(zero, |s, k| s + n[k] * u[k]) * sign
+}
+
+/// The value at x of the polynomial that fits the heights over the plane across n (SPEC § 12), by normal equations: the
+/// real solution, then one Newton step with the real inverse, which makes the first derivative exact.
+fn constant_of_fit<T: DualNum<Primitive = f64> + Copy, const D: usize>(
+    terms: &[([T; D], T, [f64; D])],
+    n: [T; D],
+    degree: u8,
+    unit: f64,
+) -> T {
+    let zero = T::from(0.0);
+    let inner = |a: [T; D], b: [T; D]| (0..D).fold(zero, |sum, k| sum + a[k] * b[k]);
+    // Axes from those of space, by Gram and Schmidt; the fit does not depend on them.
+    let mut axes: Vec<[T; D]> = Vec::new();
+    let mut spare: Vec<usize> = (0..D).collect();
+    spare.sort_by(|&i, &j| n[i].re().abs().total_cmp(&n[j].re().abs()));
+    for &k in &spare[..D - 1] {
+        let mut axis: [T; D] = std::array::from_fn(|j| T::from(f64::from(u8::from(j == k))));
+        for other in [n].iter().chain(&axes) {
+            let along = inner(axis, *other);
+            axis = std::array::from_fn(|j| axis[j] - other[j] * along);
+        }
+        let size = inner(axis, axis).sqrt();
+        axes.push(axis.map(|c| c / size));
+    }
+    let row = |d: [T; D]| -> Vec<T> {
+        let s: Vec<T> = axes.iter().map(|&axis| inner(axis, d) / unit).collect();
+        let power = |c: T, exponent: u8| (0..exponent).fold(T::from(1.0), |product, _| product * c);
+        let mut row = Vec::new();
+        for total in 0..=degree {
+            for second in 0..=(if D == 2 { 0 } else { total }) {
+                let other = if D == 2 { T::from(1.0) } else { power(s[1], second) };
+                row.push(power(s[0], total - second) * other);
+            }
+        }
+        row
+    };
+    let size = row(terms[0].0).len();
+    let (mut a, mut b) = (vec![vec![zero; size]; size], vec![zero; size]);
+    for &(d, theta, _) in terms.iter().filter(|t| t.1.re() > 0.0) {
+        let (row, height) = (row(d), inner(n, d));
+        for i in 0..size {
+            b[i] += row[i] * theta * height;
+            for j in 0..size {
+                a[i][j] += row[i] * row[j] * theta;
+            }
+        }
+    }
+    let inverse = DMatrix::from_fn(size, size, |i, j| a[i][j].re()).try_inverse().unwrap();
+    let solution: Vec<f64> =
+        (0..size).map(|i| (0..size).map(|j| inverse[(i, j)] * b[j].re()).sum()).collect();
+    (0..size).fold(T::from(solution[0]), |c, i| {
+        let left = (0..size).fold(b[i], |left, j| left - a[i][j] * solution[j]);
+        c + left * inverse[(0, i)]
+    })
+}
+
+/// Every field, and every degree where it has one.
+fn settings() -> impl Iterator<Item = (NormalField, u8)> {
+    let degrees = |field| (1..=3).map(move |degree| (field, degree));
+    let fields = FIELDS.into_iter().map(|field| (field, 0));
+    fields.chain(degrees(NormalField::CentredCovariance)).chain(degrees(NormalField::AveragedNormals))
 }
 
 /// Largest errors of all settings: against dual numbers, value against brute force, against differences.
 fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
     let mut worst = [0.0_f64; 3];
-    let (mut compared, mut differenced) = (0, 0);
+    let (mut compared, mut differenced, mut by_degree) = (0, 0, [0; 4]);
     for variant in VARIANTS {
         for (weight, share) in WEIGHTS {
-            for field in FIELDS {
+            for (field, degree) in settings() {
                 let columns = Columns::new(shape, share * radius, variant);
-                let surface = columns.surface(Definition::new().with_weight(weight).with_field(field));
-                let mut queries = near_samples(&columns.points, 14, 0.3 * radius, 5);
+                let definition = Definition::new().with_weight(weight).with_field(field).with_degree(degree);
+                let surface = columns.surface(definition);
+                let queries = if degree == 0 { 14 } else { 5 };
+                let mut queries = near_samples(&columns.points, queries, 0.3 * radius, 5);
                 // r = 0: exactly at samples.
                 queries.extend(&columns.points[..4]);
                 let e = surface.evaluate(&queries, Want::ALL);
                 for (i, &x) in queries.iter().enumerate() {
-                    if e.gap[i].is_nan() || e.gap[i] < 0.1 {
+                    if e.gap[i].is_nan() || e.gap[i] < 0.1 || !e.status[i].is_ok() {
                         continue;
                     }
                     compared += 1;
+                    by_degree[usize::from(degree)] += 1;
                     let (n, h) = (e.frame_normal[i], e.support[i]);
                     let mut error = [0.0; 3];
                     let size = length(e.gradient[i]).max(1.0);
                     let dual: [f64; D] = std::array::from_fn(|k| {
                         let x = std::array::from_fn(|j| Dual64::new(x[j], f64::from(u8::from(j == k))));
-                        brute_force(&columns, weight, field, x, n).eps
+                        brute_force(&columns, (weight, field, degree), x, n).eps
                     });
                     error[0] = length(sub(e.gradient[i], dual)) / size;
-                    error[1] = (e.value[i] - brute_force(&columns, weight, field, x, n)).abs() / h;
+                    error[1] = (e.value[i] - brute_force(&columns, (weight, field, degree), x, n)).abs() / h;
                     if let Some(difference) = differences(&surface, x, n, h) {
                         differenced += 1;
                         error[2] = length(sub(e.gradient[i], difference)) / size;
                     }
-                    let bounds = [1e-11, 1e-13, 1e-8];
+                    let bounds = if degree == 0 { [1e-11, 1e-13, 1e-8] } else { [1e-11, 1e-12, 1e-8] };
                     for j in 0..3 {
                         let what = ["dual numbers", "value", "differences"][j];
-                        let case = format!("{what}: {weight:?} {field:?} {variant:?} query {i}");
+                        let case = format!("{what}: {weight:?} {field:?} {degree} {variant:?} query {i}");
                         assert!(error[j] <= bounds[j], "{case}: {:e}, gap {}", error[j], e.gap[i]);
                         worst[j] = largest([worst[j], error[j]]);
                     }
@@ -138,7 +205,8 @@ fn check<const D: usize>(shape: &Samples<D>, radius: f64) {
             }
         }
     }
-    println!("D = {D}: {compared} compared, {differenced} by differences, worst {worst:?}");
+    println!("D = {D}: {by_degree:?} compared by degree, {differenced} by differences, worst {worst:?}");
+    assert!(by_degree.iter().all(|&count| count > 200), "{by_degree:?}");
     assert!(compared > 1000 && differenced > 500, "{compared} {differenced}");
 }
 

@@ -228,7 +228,7 @@ fn a_tighter_tolerance_costs_evaluations_and_leaves_less() {
 }
 
 /// The lengths of all columns.
-fn lengths(e: &Evaluations<3>) -> [usize; 16] {
+fn lengths(e: &Evaluations<3>) -> [usize; 17] {
     [
         e.value.len(),
         e.average.len(),
@@ -246,6 +246,7 @@ fn lengths(e: &Evaluations<3>) -> [usize; 16] {
         e.hessian.len(),
         e.curvature.directions.len(),
         e.sigma.len(),
+        e.degree.len(),
     ]
 }
 
@@ -256,7 +257,7 @@ fn columns_that_are_not_wanted_are_empty_and_the_others_do_not_change() {
     let surface = Surface::new(cloud, Definition::new().with_support(columns.support())).unwrap();
     let at = starts(&columns);
     let all = surface.evaluate(&at, Want::ALL);
-    assert_eq!(lengths(&all), [at.len(); 16]);
+    assert_eq!(lengths(&all), [at.len(); 17]);
     let each = [
         Want::VALUE,
         Want::AVERAGE,
@@ -274,10 +275,11 @@ fn columns_that_are_not_wanted_are_empty_and_the_others_do_not_change() {
         Want::HESSIAN,
         Want::CURVATURE,
         Want::SIGMA,
+        Want::DEGREE,
     ];
     for (k, want) in each.into_iter().enumerate() {
         let e = surface.evaluate(&at, want);
-        let expected: [usize; 16] = std::array::from_fn(|j| if j == k { at.len() } else { 0 });
+        let expected: [usize; 17] = std::array::from_fn(|j| if j == k { at.len() } else { 0 });
         assert_eq!(lengths(&e), expected);
         let rest = each.into_iter().filter(|w| *w != want).reduce(|a, b| a | b).unwrap();
         assert!(Want::ALL.contains(want) && !rest.contains(want) && rest | want == Want::ALL);
@@ -287,7 +289,7 @@ fn columns_that_are_not_wanted_are_empty_and_the_others_do_not_change() {
             ($($column:ident)*) => { $(if joined.$column.is_empty() { joined.$column = e.$column; })* };
         }
         take!(value average frame_normal gradient surface_normal gap neighbours effective_neighbours weight_sum
-              eigenvalues squared_sensitivity support eccentricity hessian sigma);
+              eigenvalues squared_sensitivity support eccentricity hessian sigma degree);
         if joined.curvature.mean.is_empty() {
             joined.curvature = e.curvature;
         }

@@ -1,8 +1,8 @@
 //! Levin's surface in the engine: the oracle's numbers, the gradient that dual numbers give, a symmetric Hessian.
 
+use super::Evaluator;
 use super::tests::{EVERYTHING, WEIGHTS, cloud, gathered, locals};
-use super::{Evaluator, own_sensitivity};
-use crate::algebra::{add, dot, length, scale, sub};
+use crate::algebra::{dot, length, scale, sub};
 use crate::definition::{Definition, Kind};
 use crate::dual::Dual;
 use crate::engine::{
@@ -157,62 +157,4 @@ fn second_derivatives_come_from_the_code_of_the_first() {
             assert!(skew < 1e-11, "{weight:?}: {skew:e} in {hessian:?}");
         }
     }
-}
-
-#[test]
-fn vector_levels_with_fused_multiply_adds_give_the_same_bits() {
-    let best = Level::new();
-    let Some(narrow) = best.as_avx2().map(Level::Avx2) else { return };
-    let mut random = Random::new(24);
-    for precision in [Precision::Double, Precision::Single] {
-        every_setting(|weight, per_sample, factors| {
-            let (_, grid) = cloud::<3>(&mut random, weight, per_sample, factors, precision);
-            let definition = Definition::new().with_weight(weight).with_kind(Kind::Levin);
-            let mut wide = Evaluator::new(&grid, &definition, best, EVERYTHING);
-            let mut narrow = Evaluator::new(&grid, &definition, narrow, EVERYTHING);
-            for count in 1..=18 {
-                let positions: Vec<Position<3>> =
-                    (0..count).map(|_| Position::at([random.uniform(), random.uniform(), 0.1])).collect();
-                let (wide, narrow) = (locals(&mut wide, &positions), locals(&mut narrow, &positions));
-                for (a, b) in wide.iter().zip(&narrow) {
-                    // Every number is printed with all its digits.
-                    assert_eq!(format!("{a:?}"), format!("{b:?}"), "{precision:?} {weight:?}");
-                }
-            }
-        });
-    }
-}
-
-#[test]
-fn the_sensitivities_to_all_samples_sum_to_the_gradient() {
-    let mut random = Random::new(25);
-    let (mut worst, mut compared) = ([0.0_f64; 2], 0);
-    every_setting(|weight, per_sample, factors| {
-        let (_, grid) = cloud::<3>(&mut random, weight, per_sample, factors, Precision::Double);
-        let definition = Definition::new().with_weight(weight).with_kind(Kind::Levin);
-        let mut evaluator = Evaluator::new(&grid, &definition, Level::new(), EVERYTHING);
-        let positions: Vec<Position<3>> =
-            (0..8).map(|_| Position::at([random.uniform() - 0.5, random.uniform() - 0.5, 0.1])).collect();
-        for (position, (local, extra)) in positions.iter().zip(locals(&mut evaluator, &positions)) {
-            if local.gap < 0.1 {
-                continue;
-            }
-            compared += 1;
-            let (mut sum, mut squares) = ([0.0; 3], 0.0);
-            for place in 0..grid.len() {
-                let sample = (grid.sample(place).unwrap(), place as u32);
-                let g = own_sensitivity((&grid, &definition), sample, position, (&local, &extra));
-                sum = add(sum, g);
-                squares += dot(g, g);
-            }
-            let errors = [
-                length(add(sum, local.gradient)) / length(local.gradient).max(1.0),
-                (squares - extra.sensitivity).abs() / squares,
-            ];
-            assert!(errors.iter().all(|e| *e < 1e-11), "{weight:?} {per_sample} {factors}: {errors:?}");
-            worst = [worst[0].max(errors[0]), worst[1].max(errors[1])];
-        }
-    });
-    println!("{compared} compared, worst {worst:?}");
-    assert!(compared > 100, "{compared}");
 }

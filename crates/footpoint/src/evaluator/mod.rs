@@ -3,6 +3,8 @@
 mod answers;
 mod batch;
 mod heights;
+#[cfg(test)]
+mod kinds_tests;
 mod levin;
 #[cfg(test)]
 mod levin_tests;

@@ -19,7 +19,7 @@ use crate::support::Radii;
 use crate::weight::{Kernel, Weight, with_kernel};
 use fearless_simd::Level;
 
-const FIELDS: [NormalField; 4] = [
+pub(super) const FIELDS: [NormalField; 4] = [
     NormalField::Covariance,
     NormalField::CentredCovariance,
     NormalField::AveragedNormals,
@@ -284,30 +284,5 @@ fn second_derivatives_come_from_the_code_of_the_first() {
             let skew = (hessian[i][j] - hessian[j][i]).abs() / size;
             assert!(skew < 1e-11, "{field:?}: {skew:e} in {hessian:?}");
         }
-    }
-}
-
-#[test]
-fn vector_levels_with_fused_multiply_adds_give_the_same_bits() {
-    let best = Level::new();
-    let Some(narrow) = best.as_avx2().map(Level::Avx2) else { return };
-    let mut random = Random::new(14);
-    for precision in [Precision::Double, Precision::Single] {
-        every_setting(|weight, field, per_sample, factors| {
-            let (_, grid) = cloud::<3>(&mut random, weight, per_sample, factors, precision);
-            let definition = Definition::new().with_weight(weight).with_field(field);
-            let mut wide = Evaluator::new(&grid, &definition, best, EVERYTHING);
-            let mut narrow = Evaluator::new(&grid, &definition, narrow, EVERYTHING);
-            for count in 1..=18 {
-                let positions: Vec<Position<3>> =
-                    (0..count).map(|_| Position::at([random.uniform(), random.uniform(), 0.1])).collect();
-                let wide = locals(&mut wide, &positions);
-                let narrow = locals(&mut narrow, &positions);
-                for (a, b) in wide.iter().zip(&narrow) {
-                    // Every number is printed with all its digits.
-                    assert_eq!(format!("{a:?}"), format!("{b:?}"), "{precision:?} {weight:?} {field:?}");
-                }
-            }
-        });
     }
 }

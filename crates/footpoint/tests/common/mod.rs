@@ -64,10 +64,14 @@ pub(crate) const FIELDS: [NormalField; 4] = [
     NormalField::AveragedAxes,
 ];
 
-/// Every normal field of the point set surface, and Levin's surface.
+/// Every normal field of the point set surface, two of higher degree, and Levin's surface.
 pub(crate) fn definitions() -> impl Iterator<Item = Definition> {
     let fields = FIELDS.into_iter().map(|field| Definition::new().with_field(field));
-    fields.chain([Definition::new().with_kind(Kind::Levin)])
+    fields.chain([
+        Definition::new().with_kind(Kind::Levin),
+        Definition::new().with_degree(2),
+        Definition::new().with_field(NormalField::AveragedNormals).with_degree(3).with_degree_fallback(true),
+    ])
 }
 
 /// The operators that iterate on f.
@@ -259,6 +263,24 @@ pub(crate) fn even_circle(count: usize) -> Samples<2> {
     Samples { normals: points.clone(), points }
 }
 
+/// An even sampling of a torus: rings of points, as many on each as its length asks for.
+pub(crate) fn even_torus(major: f64, minor: f64, rings: u32) -> Samples<3> {
+    let mut samples = Samples::default();
+    let spacing = std::f64::consts::TAU * minor / f64::from(rings);
+    for i in 0..rings {
+        let (sine, cosine) = (std::f64::consts::TAU * f64::from(i) / f64::from(rings)).sin_cos();
+        let ring = major + minor * cosine;
+        let count = (std::f64::consts::TAU * ring / spacing).round() as u32;
+        for j in 0..count {
+            let (y, x) = (std::f64::consts::TAU * (f64::from(j) + 0.5 * f64::from(i % 2)) / f64::from(count))
+                .sin_cos();
+            samples.points.push([ring * x, ring * y, minor * sine]);
+            samples.normals.push([cosine * x, cosine * y, sine]);
+        }
+    }
+    samples
+}
+
 /// Every column but the second derivatives, which cost seven times the others.
 pub(crate) fn first_order() -> Want {
     [
@@ -307,6 +329,7 @@ pub(crate) fn evaluation_rows<const D: usize>(e: &Evaluations<D>) -> Vec<Row> {
             vector("principal curvatures", &e.curvature.principal[i]);
             vector("principal directions", e.curvature.directions[i].as_flattened());
             vector("sigma", &e.sigma[i..=i]);
+            row.push(("degree", u64::from(e.degree[i])));
             row
         })
         .collect()

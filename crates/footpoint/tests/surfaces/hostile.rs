@@ -30,7 +30,7 @@ fn cloud<const D: usize>(seed: u64, size: f64) -> Vec<[f64; D]> {
         .collect()
 }
 
-fn kinds() -> [Definition; 5] {
+fn kinds() -> [Definition; 7] {
     let field = |field| Definition::new().with_field(field);
     [
         field(NormalField::Covariance),
@@ -38,6 +38,8 @@ fn kinds() -> [Definition; 5] {
         field(NormalField::AveragedNormals),
         field(NormalField::AveragedAxes),
         Definition::new().with_kind(Kind::Levin),
+        field(NormalField::CentredCovariance).with_degree(2),
+        field(NormalField::AveragedNormals).with_degree(3).with_degree_fallback(true),
     ]
 }
 
