@@ -261,13 +261,16 @@ fn degrees_and_their_fallback() {
             "evaluate cloud.csv --at cloud.csv -o d.csv --force --auto 4 --with degree {options}"
         ));
         let table = folder.csv("d.csv");
-        (table.words("status"), table.numbers("degree"))
+        let status: Vec<String> = table.words("status").iter().map(ToString::to_string).collect();
+        (status, table.numbers("degree"))
     };
     let (status, degree) = degrees("--degree 3");
-    assert!(status.iter().any(|s| s == "degenerate"));
+    let degenerate = |status: &[String]| status.iter().filter(|s| *s == "degenerate").count();
+    let without = degenerate(&status);
+    assert!(without > 100, "{without}");
     assert!(status.iter().zip(&degree).all(|(s, &d)| d == if s == "degenerate" { 0.0 } else { 3.0 }));
     let (status, degree) = degrees("--degree 3 --degree-fallback");
-    assert!(status.iter().all(|s| s != "degenerate"));
+    assert!(degenerate(&status) < without / 10, "{} of {without}", degenerate(&status));
     assert!(degree.contains(&2.0) && degree.contains(&3.0));
 
     for (options, problem) in [
