@@ -47,6 +47,8 @@ pub(crate) struct Case {
     #[serde(default)]
     pub(crate) field: NormalField,
     #[serde(default)]
+    pub(crate) degree: u8,
+    #[serde(default)]
     pub(crate) weight: Weight,
     #[serde(default)]
     pub(crate) precision: Precision,
@@ -200,6 +202,9 @@ pub(crate) struct PeerGroup {
     pub(crate) neighbours: Neighbours,
     /// The job of this library that the others are compared with.
     pub(crate) own: Stage,
+    /// The degree of its surface.
+    #[serde(default)]
+    pub(crate) degree: u8,
     pub(crate) jobs: Vec<PeerJob>,
 }
 
@@ -227,6 +232,7 @@ impl Case {
             neighbours,
             engine: Engine::default(),
             field: NormalField::default(),
+            degree: 0,
             weight: Weight::default(),
             precision: Precision::default(),
             support: Radii::default(),

@@ -60,6 +60,7 @@ impl Footpoint {
         }
         let definition = Definition::new()
             .with_field(case.field)
+            .with_degree(case.degree)
             .with_weight(case.weight)
             .with_precision(case.precision)
             .with_support(supports.rule());

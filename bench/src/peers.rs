@@ -4,7 +4,7 @@
 //! JSON with its versions, then reads jobs from its standard input, a line each: the job's name and its number, a radius
 //! or a count. For each it prints a line of JSON with the CPU seconds, index included, and the kind of its answers.
 
-use crate::answers::{Summary, failures, mean_angle, rms_distance};
+use crate::answers::{Summary, failures, mean_angle, rms_distance, summary};
 use crate::case::{Case, Cases, PeerGroup, PeerJob};
 use crate::clock::{median, rounded};
 use crate::cloud::{Sampled, Supports};
@@ -74,7 +74,7 @@ impl<'c> Contest<'c> {
     ) -> Result<Self, String> {
         let data = cases.data.get(&group.data).ok_or_else(|| format!("no data {}", group.data))?;
         let sampled = Sampled::new(data);
-        let case = Case::with(&group.data, group.neighbours);
+        let case = Case { degree: group.degree, ..Case::with(&group.data, group.neighbours) };
         let supports = sampled.supports(case.neighbours, case.support)?;
         let own = contestant(&case, &sampled, &supports)?;
         let points = folder.join(format!("{}.points", group.data));
@@ -144,12 +144,13 @@ impl<'c> Contest<'c> {
             .filter_map(|(name, peer)| Some(((*name).to_owned(), peer.as_ref().ok()?.versions.clone())))
             .collect();
         let stage = self.group.own.name();
+        let own_answers = summary(self.own.as_ref(), &self.sampled, self.supports.radius);
         json!({
             "group": self.group.name,
             "samples": self.sampled.points.len(),
             "neighbours": self.group.neighbours.mean,
             "repeats": repeats,
-            "footpoint": { "job": stage, "cpu_seconds": rounded(own) },
+            "footpoint": { "job": stage, "degree": self.group.degree, "cpu_seconds": rounded(own), "answers": own_answers },
             "versions": versions,
             "jobs": jobs,
         })

@@ -1,5 +1,6 @@
 //! The accuracy study: errors of position and normals against support, noise, field and operator, where the truth is known.
 
+mod degrees;
 mod page;
 mod shapes;
 
@@ -76,6 +77,13 @@ pub(crate) fn study(plan: Plan) -> Result<Value, Error> {
     for shape in &CURVES {
         shape_rows(shape, plan.samples / 2, plan, &mut rows)?;
     }
+    let mut degrees = Vec::new();
+    for shape in &SURFACES {
+        degrees::rows(shape, plan.samples, plan, &mut degrees)?;
+    }
+    for shape in &CURVES {
+        degrees::rows(shape, plan.samples / 2, plan, &mut degrees)?;
+    }
     let unknown = rows.iter().filter(|row| !row.position_in_spacings.is_finite());
     let failures: Vec<String> =
         unknown.map(|row| format!("{}: no projection at {}", row.shape, row.effective_neighbours)).collect();
@@ -86,6 +94,7 @@ pub(crate) fn study(plan: Plan) -> Result<Value, Error> {
         "samples": plan.samples,
         "failures": failures,
         "rows": rows,
+        "degrees": degrees,
     }))
 }
 

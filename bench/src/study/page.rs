@@ -16,17 +16,22 @@ pub(crate) fn written(page: &str, record: &Value) -> Option<String> {
 
 /// The record with its rows as one line each, below the names of their columns.
 pub(crate) fn compact(record: &Value) -> String {
-    let rows = record["rows"].as_array().map_or(&[][..], Vec::as_slice);
-    let all = rows.iter().filter_map(Value::as_object).flat_map(|row| row.keys());
-    let names: BTreeSet<&String> = all.collect();
-    let line = |row: &Value| {
-        Value::from(names.iter().map(|&name| row[name].clone()).collect::<Vec<_>>()).to_string()
-    };
     let mut head = record.clone();
-    head["rows"] = Value::from("ROWS");
-    head["columns"] = names.iter().map(|name| name.as_str()).collect();
-    let lines: Vec<String> = rows.iter().map(|row| format!("    {}", line(row))).collect();
-    format!("{head:#}\n").replace("\"ROWS\"", &format!("[\n{}\n  ]", lines.join(",\n")))
+    let mut text = Vec::new();
+    for (key, mark, names) in [("rows", "ROWS", "columns"), ("degrees", "DEGREES", "columns_of_degrees")] {
+        let rows = record[key].as_array().map_or(&[][..], Vec::as_slice);
+        let all = rows.iter().filter_map(Value::as_object).flat_map(|row| row.keys());
+        let columns: BTreeSet<&String> = all.collect();
+        let line = |row: &Value| {
+            Value::from(columns.iter().map(|&name| row[name].clone()).collect::<Vec<_>>()).to_string()
+        };
+        let lines: Vec<String> = rows.iter().map(|row| format!("    {}", line(row))).collect();
+        head[key] = Value::from(mark);
+        head[names] = columns.iter().map(|name| name.as_str()).collect();
+        text.push((format!("\"{mark}\""), format!("[\n{}\n  ]", lines.join(",\n"))));
+    }
+    let whole = format!("{head:#}\n");
+    text.into_iter().fold(whole, |whole, (mark, rows)| whole.replacen(&mark, &rows, 1))
 }
 
 /// A column: its head, and its cell of a row.
@@ -78,10 +83,32 @@ fn write_tables(out: &mut String, record: &Value) -> std::fmt::Result {
     let centred = |row: &&Value| is(row, "field", "centred covariance") && is(row, "shape", "torus");
     write_table(out, &columns, &picked(&|row| fixed(row) && centred(row) && some(row)))?;
 
+    writeln!(out, "\nDegrees (centred covariance, orthogonal projection; bold: the one chosen):\n")?;
+    write_degrees(out, record)?;
+
     writeln!(out, "\nThe support of least error (centred covariance, orthogonal projection):\n")?;
     let expected: Column = ("position expected", |row| number(row, "expected_in_spacings"));
     let columns = [SHAPE, NOISE, AIM, SUPPORT, OK, POSITION, expected, SURFACE_NORMAL, FRAME_NORMAL];
     write_table(out, &columns, &picked(&|row| !fixed(row) && plain(row)))
+}
+
+/// One row a cloud: errors of degrees 0, 2 and 3, the chosen one set in bold.
+fn write_degrees(out: &mut String, record: &Value) -> std::fmt::Result {
+    let heads = ["position 0", "2", "3", "∇f off by 0", "2", "3"];
+    writeln!(out, "| surface | noise | n_eff | {} |", heads.join(" | "))?;
+    writeln!(out, "|{}", "---|".repeat(3 + heads.len()))?;
+    for row in record["degrees"].as_array().into_iter().flatten() {
+        write!(out, "| {} | {} | {} |", SHAPE.1(row), NOISE.1(row), AIM.1(row))?;
+        for (k, key) in ["position_in_spacings", "surface_normal_degrees"].into_iter().enumerate() {
+            for (m, degree) in [0, 2, 3].into_iter().enumerate() {
+                let cell = number_of(row[key][m].as_f64());
+                let chosen = row["chosen"][k] == degree;
+                write!(out, "{}", if chosen { format!(" **{cell}** |") } else { format!(" {cell} |") })?;
+            }
+        }
+        writeln!(out)?;
+    }
+    Ok(())
 }
 
 fn write_table(out: &mut String, columns: &[Column], rows: &[&Value]) -> std::fmt::Result {

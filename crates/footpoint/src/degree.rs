@@ -1,6 +1,6 @@
 //! The degree that suits a cloud: that of the least error, as the samples tell it.
 
-use crate::algebra::{dot, scale, sub};
+use crate::algebra::{dot, length, scale, sub};
 use crate::definition::{DefinitionError, Kind};
 use crate::evaluate::{Evaluations, Want};
 use crate::project::Project;
@@ -56,9 +56,9 @@ const LEFT_OUT: f64 = 0.01;
 /// A degree is out of the question if it finds the surface at so many fewer of the probes than the best.
 const FEWER: f64 = 0.01;
 
-/// f and the surface normal at every probe.
+/// f/|∇f|, the distance to first order, and the surface normal at every probe.
 struct Answers<const D: usize> {
-    value: Vec<f64>,
+    distance: Vec<f64>,
     normal: Vec<[f64; D]>,
 }
 
@@ -157,7 +157,7 @@ impl<const D: usize> Running<'_, D> {
                     degree: degrees[m],
                     ok: ok[m],
                     position: error(&|answers, i| {
-                        std::array::from_fn(|k| if k == 0 { answers.value[i] } else { 0.0 })
+                        std::array::from_fn(|k| if k == 0 { answers.distance[i] } else { 0.0 })
                     }),
                     normal: error(&|answers, i| answers.normal[i]),
                 }
@@ -182,9 +182,10 @@ fn answers<const D: usize>(
     probes: &[[f64; D]],
     run: &Run<'_>,
 ) -> Result<Answers<D>, Cancelled> {
-    let Evaluations { value, surface_normal, .. } =
-        surface.with(run).evaluate(probes, Want::VALUE | Want::SURFACE_NORMAL)?;
-    Ok(Answers { value, normal: surface_normal })
+    let want = Want::VALUE | Want::GRADIENT | Want::SURFACE_NORMAL;
+    let Evaluations { value, gradient, surface_normal, .. } = surface.with(run).evaluate(probes, want)?;
+    let distance = value.iter().zip(gradient).map(|(value, gradient)| value / length(gradient)).collect();
+    Ok(Answers { distance, normal: surface_normal })
 }
 
 impl<const D: usize> Answers<D> {
@@ -192,7 +193,7 @@ impl<const D: usize> Answers<D> {
     fn face(&mut self, like: &[[f64; D]]) {
         for (i, &like) in like.iter().enumerate() {
             if dot(self.normal[i], like) < 0.0 {
-                self.value[i] = -self.value[i];
+                self.distance[i] = -self.distance[i];
                 self.normal[i] = scale(self.normal[i], -1.0);
             }
         }
