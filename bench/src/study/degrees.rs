@@ -17,6 +17,8 @@ pub(super) struct Row {
     pub(super) shape: &'static str,
     noise_in_spacings: f64,
     effective_neighbours: f64,
+    /// κ_H h, root mean square: what the bias grows with.
+    curvature_times_support: f64,
     ok_share: [f64; 3],
     /// Root mean square distance to the true surface.
     position_in_spacings: [f64; 3],
@@ -42,7 +44,7 @@ pub(super) fn rows<const D: usize>(
         for &effective_neighbours in plan.effective_neighbours {
             let definition = Definition::new().with_support(Support::Auto { effective_neighbours });
             let mut surface = Surface::new(cloud.clone(), definition)?;
-            let mut found = [[0.0; 3]; 3];
+            let mut found = [[0.0; 4]; 3];
             for (degree, found) in DEGREES.into_iter().zip(&mut found) {
                 surface = surface.with_degree(degree)?;
                 *found = errors(shape, &surface.project(Queries::Samples, &Project::new()));
@@ -64,6 +66,7 @@ pub(super) fn rows<const D: usize>(
                 shape: shape.name,
                 noise_in_spacings: noise,
                 effective_neighbours,
+                curvature_times_support: rounded(column(3)[0] * surface.support().median),
                 ok_share: ok.map(rounded),
                 position_in_spacings: position.map(|e| rounded(e / spacing)),
                 surface_normal_degrees: normal.map(rounded),
@@ -76,14 +79,15 @@ pub(super) fn rows<const D: usize>(
     Ok(())
 }
 
-/// Share of *ok*, root mean square distance, mean angle.
-fn errors<const D: usize>(shape: &Shape<D>, p: &Projections<D>) -> [f64; 3] {
+/// Share of *ok*, root mean square distance, mean angle; root mean square curvature of the true surface.
+fn errors<const D: usize>(shape: &Shape<D>, p: &Projections<D>) -> [f64; 4] {
     let ok: Vec<usize> = (0..p.status.len()).filter(|&i| p.status[i].is_ok()).collect();
     let mean = |of: &dyn Fn(usize) -> f64| ok.iter().map(|&i| of(i)).sum::<f64>() / ok.len() as f64;
     let truth = |i: usize| (shape.truth)(p.point[i]);
     let off = |i: usize| (0..D).map(|k| (p.point[i][k] - truth(i).foot[k]).powi(2)).sum::<f64>();
     let turned = |i: usize| angle(p.surface_normal[i], truth(i).normal);
-    [ok.len() as f64 / p.status.len() as f64, mean(&off).sqrt(), mean(&turned)]
+    let bent = |i: usize| truth(i).curvature.powi(2);
+    [ok.len() as f64 / p.status.len() as f64, mean(&off).sqrt(), mean(&turned), mean(&bent).sqrt()]
 }
 
 #[cfg(test)]

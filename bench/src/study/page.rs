@@ -95,10 +95,11 @@ fn write_tables(out: &mut String, record: &Value) -> std::fmt::Result {
 /// One row a cloud: errors of degrees 0, 2 and 3, the chosen one set in bold.
 fn write_degrees(out: &mut String, record: &Value) -> std::fmt::Result {
     let heads = ["position 0", "2", "3", "∇f off by 0", "2", "3"];
-    writeln!(out, "| surface | noise | n_eff | {} |", heads.join(" | "))?;
-    writeln!(out, "|{}", "---|".repeat(3 + heads.len()))?;
+    writeln!(out, "| surface | noise | n_eff | κ_H h | {} |", heads.join(" | "))?;
+    writeln!(out, "|{}", "---|".repeat(4 + heads.len()))?;
     for row in record["degrees"].as_array().into_iter().flatten() {
-        write!(out, "| {} | {} | {} |", SHAPE.1(row), NOISE.1(row), AIM.1(row))?;
+        let bent = number(row, "curvature_times_support");
+        write!(out, "| {} | {} | {} | {bent} |", SHAPE.1(row), NOISE.1(row), AIM.1(row))?;
         for (k, key) in ["position_in_spacings", "surface_normal_degrees"].into_iter().enumerate() {
             for (m, degree) in [0, 2, 3].into_iter().enumerate() {
                 let cell = number_of(row[key][m].as_f64());
@@ -160,10 +161,10 @@ mod tests {
             "field": "centred covariance", "operator": "orthogonal", "ok_share": 0.9987,
             "position_in_spacings": 0.123456, "between_degrees": 1e-12,
         });
-        let page = format!("before\n{BEGIN}\nold\n{END}\nafter\n");
+        let page = format!("before\n{BEGIN}\nstale\n{END}\nafter\n");
         let page = written(&page, &json!({ "rows": [row] })).unwrap();
         assert!(
-            page.starts_with("before\n") && page.ends_with("\nafter\n") && !page.contains("old"),
+            page.starts_with("before\n") && page.ends_with("\nafter\n") && !page.contains("stale"),
             "{page}"
         );
         assert!(page.contains("| torus | 0.5 | 16 |  | 99.9 | 0.123 |"), "{page}");

@@ -87,6 +87,8 @@ struct Readme;
 mod pages {
     #[doc = include_str!("../../../docs/definitions.md")]
     struct Definitions;
+    #[doc = include_str!("../../../docs/degrees.md")]
+    struct Degrees;
     #[doc = include_str!("../../../docs/sensitivity.md")]
     struct Sensitivity;
 }

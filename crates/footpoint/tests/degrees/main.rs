@@ -9,6 +9,7 @@ mod conditioning;
 mod convergence;
 mod precision;
 mod second_derivatives;
+mod uncertainty;
 
 /// A torus of radii 1 and 0.4: the foot of a point, and the outward normal there.
 fn on_torus(x: [f64; 3]) -> ([f64; 3], [f64; 3]) {
