@@ -1,9 +1,7 @@
 //! Near the surface the orthogonal projection is the nearest: no other operator's point is nearer to the start.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
-use common::{Columns, Variant, length, near_samples, sub};
+use crate::common::{Columns, Variant, length, near_samples, sub};
 use footpoint::samples::{self, Samples};
 use footpoint::{NormalField, Operator, Project, Want};
 

@@ -1,9 +1,7 @@
 //! The gradient is that of f: it agrees with dual numbers through an independent brute force and with differences.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Columns, FIELDS, VARIANTS, WEIGHTS, add, differences, dot, largest, length, near_samples, scale, sub,
 };
 use footpoint::samples::{self, Samples};

@@ -1,9 +1,7 @@
 //! The squared sensitivity is the sum of |∂f/∂p_i|² that moving each sample measures, and those derivatives sum to −∇f.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Columns, Variant, WEIGHTS, add, definitions, dot, first_order, length, near_samples, scale, sub,
 };
 use footpoint::samples::{self, Samples};

@@ -1,9 +1,7 @@
 //! Clouds of a hundred thousand samples give the same bits however they are asked, in double precision and in single.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Columns, FIELDS, Variant, add, first_order, in_cube, length, near_samples, scale, shuffled, sub,
 };
 use footpoint::samples::{self, Random, Samples};

@@ -1,10 +1,8 @@
 //! A cloud moved by whole cells keeps every bit of its answers; one scaled by a power of two scales them exactly.
 
-mod common;
-
-use common::{
-    Columns, OPERATORS, Row, VARIANTS, Variant, WEIGHTS, add, definitions, evaluation_rows, near_samples,
-    projection_rows, same_rows, without_locations,
+use crate::common::{
+    self, Columns, OPERATORS, Row, VARIANTS, Variant, WEIGHTS, add, definitions, evaluation_rows,
+    near_samples, projection_rows, same_rows, without_locations,
 };
 use footpoint::samples::{self, Samples};
 use footpoint::{Definition, Project, Surface, Want, Weight};

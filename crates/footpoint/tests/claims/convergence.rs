@@ -1,9 +1,7 @@
 //! On surfaces without noise positions and normals converge with the square of h, with the constant that theory gives.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-mod common;
-
-use common::{add, dot, even_torus, in_cube, length, median, scale, sub};
+use crate::common::{self, add, dot, even_torus, in_cube, length, median, scale, sub};
 use footpoint::samples::{Random, Samples};
 use footpoint::{Cloud, Definition, Project, Support, Surface, Weight};
 

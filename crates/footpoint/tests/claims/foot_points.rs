@@ -1,9 +1,9 @@
 //! Projected points are what their operator promises: foot points, points along n, points of the surface.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
-use common::{Columns, FIELDS, across, definitions, dot, largest, length, median, near_samples, sub};
+use crate::common::{
+    self, Columns, FIELDS, across, definitions, dot, largest, length, median, near_samples, sub,
+};
 use footpoint::samples::{self, Samples};
 use footpoint::{Definition, Evaluations, NormalField, Operator, Project, Projections, Sign, Surface, Want};
 

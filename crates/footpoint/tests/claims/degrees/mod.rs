@@ -1,7 +1,6 @@
-//! Surfaces of higher degree: one claim a file, compiled together.
+//! Surfaces of higher degree: one claim a file.
 
-#[path = "../common/mod.rs"]
-mod common;
+use crate::common;
 
 mod accuracy;
 mod choice;

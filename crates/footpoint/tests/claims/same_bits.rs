@@ -1,11 +1,9 @@
 //! Answers have the same bits for any number of threads, any batch, and any order or cut-out of the samples.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{
-    Columns, FIELDS, OPERATORS, Row, VARIANTS, Variant, WEIGHTS, add, definitions, evaluation_rows, length,
-    near_samples, projection_rows, same_rows, scale, shuffled, sub,
+use crate::common::{
+    self, Columns, FIELDS, OPERATORS, Row, VARIANTS, Variant, WEIGHTS, add, definitions, evaluation_rows,
+    length, near_samples, projection_rows, same_rows, scale, shuffled, sub,
 };
 use footpoint::samples::{self, Random, Samples};
 use footpoint::{Definition, Project, Queries, Run, Surface, Want};

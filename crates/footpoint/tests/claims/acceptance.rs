@@ -1,9 +1,7 @@
 //! Every accepted zero is on the surface: none beside a plane, between two sheets, or far beyond a rim.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
-use common::{Columns, FIELDS, OPERATORS, Variant, in_cube, largest, length};
+use crate::common::{self, Columns, FIELDS, OPERATORS, Variant, in_cube, largest, length};
 use footpoint::samples::{Random, Samples};
 use footpoint::{Acceptance, Definition, NormalField, Project, Surface, Weight};
 

@@ -1,9 +1,7 @@
 //! Normals get signs that agree: no sample of a surface with two sides is wrong, and one without sides is left alone.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod common;
-
-use common::{add, dot, fibonacci_sphere, scale, shuffled};
+use crate::common::{self, add, dot, fibonacci_sphere, scale, shuffled};
 use footpoint::samples::{self, Random, Samples};
 use footpoint::{
     Cloud, Definition, NonOrientable, NormalField, NormalSource, Orient, OrientError, Orientation, Precision,

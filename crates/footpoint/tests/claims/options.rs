@@ -1,8 +1,6 @@
 //! Every option matters, and does what it says.
 
-mod common;
-
-use common::{Columns, FIELDS, OPERATORS, Variant, WEIGHTS, length, near_samples, sub};
+use crate::common::{self, Columns, FIELDS, OPERATORS, Variant, WEIGHTS, length, near_samples, sub};
 use footpoint::samples;
 use footpoint::{
     Acceptance, Cancelled, Cloud, Definition, Error, Evaluations, Instructions, Noise, NormalField, Operator,

@@ -1,9 +1,7 @@
 //! Every status is reached on purpose, and says which quantities exist.
 #![allow(clippy::print_stdout)]
 
-mod common;
-
-use common::{Columns, FIELDS, OPERATORS, Variant, length, near_samples, sub};
+use crate::common::{self, Columns, FIELDS, OPERATORS, Variant, length, near_samples, sub};
 use footpoint::samples::{self, Samples};
 use footpoint::{
     Acceptance, Cloud, Definition, Evaluations, NormalField, Operator, Project, Projections, Queries, Status,

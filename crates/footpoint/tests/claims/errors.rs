@@ -1,8 +1,6 @@
 //! A wrong definition or cloud is refused with the offending value in the message; nothing else is.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
 use footpoint::samples;
 use footpoint::{Acceptance, Cloud, Definition, NormalField, Support, Surface, Weight};
 
