@@ -117,7 +117,7 @@ impl Definition {
     }
 
     /// Whether the next lower degree answers where the samples do not determine the polynomial: where
-    /// tr A · tr A⁻¹ exceeds 1e7 (in single precision 2e4) for the normal equations' matrix A in units of the support. Without
+    /// tr A · tr A⁻¹ exceeds 1e7 (in single precision 2e4) for the normal equations' matrix A, its diagonal scaled to ones. Without
     /// (the default) such points are *degenerate*. `Want::DEGREE` tells which degree answered; f jumps where it changes.
     pub fn with_degree_fallback(mut self, fallback: bool) -> Self {
         self.degree_fallback = fallback;

@@ -85,7 +85,7 @@ impl<const D: usize> Running<'_, D> {
     ///
     /// The error from noise and from uneven sampling is that of the jackknife: how much the answers differ when a fifth
     /// of the samples is left out, in turn. The bias is the difference to the highest degree, less what chance makes
-    /// of that difference, by the same jackknife. It costs five indexes; the choice does not depend on the
+    /// of that difference, by the same jackknife. It costs six indexes; the choice does not depend on the
     /// order of the samples, nor on the degree that the definition has now.
     pub fn choose_degree(&self, aim: DegreeAim) -> Result<DegreeChoice, Cancelled> {
         let surface = self.surface;
