@@ -244,6 +244,16 @@ impl<N: Culled, const D: usize> Batch<N, D> {
         let begin = if block == 0 { 0 } else { self.ends[block - 1] };
         List { columns: &self.candidates.columns, places: &self.places[begin..self.ends[block]] }
     }
+
+    /// The list of the next unit, which belongs to this block, and where its pairs stand in what is kept of them, unit by
+    /// unit; `begin` moves on.
+    #[inline(always)]
+    pub(super) fn next_list(&self, block: usize, begin: &mut usize) -> (List<'_, N, D>, Range<usize>) {
+        let list = self.list(block);
+        let own = *begin..*begin + list.places.len();
+        *begin = own.end;
+        (list, own)
+    }
 }
 
 /// Leads to the stages of one dimension and precision.
@@ -391,12 +401,11 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, M: Mode, const D: usize>(
     let mut units = std::mem::take(&mut batch.units);
     let mut begin = 0;
     for unit in &mut units {
-        let list = batch.list(unit.block);
+        let (list, own) = batch.next_list(unit.block, &mut begin);
         if unit.lane == 0 {
             announce(unit.block, Pass::Second);
         }
-        let kept = &batch.kept[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let kept = &batch.kept[own];
         let x = place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane);
         let frame = unit.fit.frame.map(|slot| L::load(token, &slot));
         let second = second_pass::<L, K, M, D>(kernel, list, &x, (task.field, &frame), kept);

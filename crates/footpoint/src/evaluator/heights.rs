@@ -43,9 +43,7 @@ fn weights<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
     }
     let mut begin = 0;
     for unit in &batch.units {
-        let list = batch.list(unit.block);
-        let own = begin..begin + list.places.len();
-        begin = own.end;
+        let (list, own) = batch.next_list(unit.block, &mut begin);
         height_weights::<L, K, D>(token, kernel, list, (&batch.kept[own.clone()], &mut weights[own]));
     }
     batch.weights = weights;
@@ -57,9 +55,8 @@ fn moments<L: Of<N>, N: Culled, const D: usize, const M: usize>(token: L::Token,
     moments.clear();
     let mut begin = 0;
     for unit in &batch.units {
-        let list = batch.list(unit.block);
-        let weights = &batch.weights[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let (list, own) = batch.next_list(unit.block, &mut begin);
+        let weights = &batch.weights[own];
         let load = |slot: N::Slot| L::load(token, &slot);
         let x = place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane);
         let support = load(unit.sums.scales) / load(unit.sums.weight);
@@ -95,12 +92,11 @@ fn gradient_sums<L: Of<N>, N: Culled, const D: usize, const M: usize>(
     let mut units = std::mem::take(&mut batch.units);
     let mut begin = 0;
     for (unit, heights) in units.iter_mut().zip(&batch.heights) {
-        let list = batch.list(unit.block);
+        let (list, own) = batch.next_list(unit.block, &mut begin);
         if unit.lane == 0 {
             announce(unit.block, Pass::Second);
         }
-        let weights = &batch.weights[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let weights = &batch.weights[own];
         let x = place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane);
         let fit: Heights<L, D> = heights.map(|slot| L::load(token, &slot));
         let second = heights_second_pass::<L, D, M>(list, &x, (task.field, &fit), weights);
@@ -118,9 +114,8 @@ fn sensitivities<L: Of<N>, N: Culled, const D: usize, const M: usize>(
     let mut units = std::mem::take(&mut batch.units);
     let mut begin = 0;
     for (unit, heights) in units.iter_mut().zip(&batch.heights) {
-        let list = batch.list(unit.block);
-        let weights = &batch.weights[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let (list, own) = batch.next_list(unit.block, &mut begin);
+        let weights = &batch.weights[own];
         let x = place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane);
         let fit: Heights<L, D> = heights.map(|slot| L::load(token, &slot));
         let sums = heights_sensitivity::<L, D, M>(list, &x, (task.field, &fit), weights);

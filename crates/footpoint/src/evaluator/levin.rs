@@ -35,9 +35,8 @@ fn values<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
     let load = |slot: N::Slot| L::load(token, &slot);
     let mut begin = 0;
     for unit in &batch.units {
-        let list = batch.list(unit.block);
-        let kept = &batch.kept[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let (list, own) = batch.next_list(unit.block, &mut begin);
+        let kept = &batch.kept[own];
         let x = place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane);
         let fit = unit.fit.map(load);
         let sums = levin_sums::<L, K, D>(kernel, list, &x, fit.frame.normal, kept);
@@ -56,12 +55,11 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
     let mut units = std::mem::take(&mut batch.units);
     let mut begin = 0;
     for (unit, fit) in units.iter_mut().zip(&batch.levin) {
-        let list = batch.list(unit.block);
+        let (list, own) = batch.next_list(unit.block, &mut begin);
         if unit.lane == 0 {
             announce(unit.block, Pass::Second);
         }
-        let kept = &batch.kept[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let kept = &batch.kept[own];
         let x = place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane);
         let LevinFit { frame, value, .. } = fit.map(|slot| L::load(token, &slot));
         let second = levin_second_pass::<L, K, D>(kernel, list, &x, (&frame, value), kept);

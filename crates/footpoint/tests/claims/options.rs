@@ -1,6 +1,8 @@
 //! Every option matters, and does what it says.
 
-use crate::common::{self, Columns, FIELDS, OPERATORS, Variant, WEIGHTS, length, near_samples, sub};
+use crate::common::{
+    self, Columns, FIELDS, FIRST_ORDER, OPERATORS, Variant, WEIGHTS, length, near_samples, sub,
+};
 use footpoint::samples;
 use footpoint::{
     Acceptance, Cancelled, Cloud, Definition, Error, Evaluations, Instructions, Noise, NormalField, Operator,
@@ -256,30 +258,14 @@ fn columns_that_are_not_wanted_are_empty_and_the_others_do_not_change() {
     let at = starts(&columns);
     let all = surface.evaluate(&at, Want::ALL);
     assert_eq!(lengths(&all), [at.len(); 17]);
-    let each = [
-        Want::VALUE,
-        Want::AVERAGE,
-        Want::FRAME_NORMAL,
-        Want::GRADIENT,
-        Want::SURFACE_NORMAL,
-        Want::GAP,
-        Want::NEIGHBOURS,
-        Want::EFFECTIVE_NEIGHBOURS,
-        Want::WEIGHT_SUM,
-        Want::EIGENVALUES,
-        Want::SQUARED_SENSITIVITY,
-        Want::SUPPORT,
-        Want::ECCENTRICITY,
-        Want::HESSIAN,
-        Want::CURVATURE,
-        Want::SIGMA,
-        Want::DEGREE,
-    ];
-    for (k, want) in each.into_iter().enumerate() {
+    let others = [Want::HESSIAN, Want::CURVATURE, Want::SIGMA, Want::DEGREE];
+    let each: Vec<Want> = FIRST_ORDER.into_iter().chain(others).collect();
+    assert_eq!(each.len(), 17);
+    for (k, want) in each.iter().copied().enumerate() {
         let e = surface.evaluate(&at, want);
         let expected: [usize; 17] = std::array::from_fn(|j| if j == k { at.len() } else { 0 });
         assert_eq!(lengths(&e), expected);
-        let rest = each.into_iter().filter(|w| *w != want).reduce(|a, b| a | b).unwrap();
+        let rest = each.iter().copied().filter(|w| *w != want).reduce(|a, b| a | b).unwrap();
         assert!(Want::ALL.contains(want) && !rest.contains(want) && rest | want == Want::ALL);
         // One column alone, and the others beside it, make up the whole again.
         let mut joined = surface.evaluate(&at, rest);

@@ -281,24 +281,26 @@ pub(crate) fn even_torus(major: f64, minor: f64, rings: u32) -> Samples<3> {
     samples
 }
 
-/// Every column but the second derivatives, which cost seven times the others.
+/// Every column but those that need second derivatives, which cost seven times the others, noise or a degree.
+pub(crate) const FIRST_ORDER: [Want; 13] = [
+    Want::VALUE,
+    Want::AVERAGE,
+    Want::FRAME_NORMAL,
+    Want::GRADIENT,
+    Want::SURFACE_NORMAL,
+    Want::GAP,
+    Want::NEIGHBOURS,
+    Want::EFFECTIVE_NEIGHBOURS,
+    Want::WEIGHT_SUM,
+    Want::EIGENVALUES,
+    Want::SQUARED_SENSITIVITY,
+    Want::SUPPORT,
+    Want::ECCENTRICITY,
+];
+
+/// These columns as one set.
 pub(crate) fn first_order() -> Want {
-    [
-        Want::VALUE,
-        Want::AVERAGE,
-        Want::FRAME_NORMAL,
-        Want::GRADIENT,
-        Want::SURFACE_NORMAL,
-        Want::GAP,
-        Want::NEIGHBOURS,
-        Want::EFFECTIVE_NEIGHBOURS,
-        Want::WEIGHT_SUM,
-        Want::EIGENVALUES,
-        Want::SQUARED_SENSITIVITY,
-        Want::SUPPORT,
-    ]
-    .into_iter()
-    .fold(Want::ECCENTRICITY, |all, one| all | one)
+    FIRST_ORDER.into_iter().fold(Want::VALUE, |all, one| all | one)
 }
 
 /// A row of named numbers by their bits, so that NaN equals NaN and a difference says where it is.

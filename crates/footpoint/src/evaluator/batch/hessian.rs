@@ -162,9 +162,8 @@ fn gradient_sums<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
 ) {
     let mut begin = 0;
     for unit in &mut turnings.units {
-        let list = batch.list(unit.block);
-        let kept = &turnings.kept[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let (list, own) = batch.next_list(unit.block, &mut begin);
+        let kept = &turnings.kept[own];
         let x = moving(&place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane), along);
         let load = |pair: Pair<N>| Dual::<L>::load(token, &pair);
         let fit = unit.fit.map(load);
@@ -191,9 +190,7 @@ fn weights<L: Of<N>, N: Culled, K: Kernel, const D: usize>(
     }
     let mut begin = 0;
     for unit in &turnings.units {
-        let list = batch.list(unit.block);
-        let own = begin..begin + list.places.len();
-        begin = own.end;
+        let (list, own) = batch.next_list(unit.block, &mut begin);
         let columns = (&turnings.kept[own.clone()], &mut turnings.weights[own]);
         height_weights::<Dual<L>, K, D>(token, kernel, list, columns);
     }
@@ -209,9 +206,8 @@ fn moments<L: Of<N>, N: Culled, const D: usize>(
     turnings.moments.clear();
     let mut begin = 0;
     for unit in &turnings.units {
-        let list = batch.list(unit.block);
-        let weights = &turnings.weights[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let (list, own) = batch.next_list(unit.block, &mut begin);
+        let weights = &turnings.weights[own];
         let x = moving(&place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane), along);
         let load = |pair: Pair<N>| Dual::<L>::load(token, &pair);
         let support = load(unit.sums.scales) / load(unit.sums.weight);
@@ -246,9 +242,8 @@ fn heights_gradient_sums<L: Of<N>, N: Culled, const D: usize>(
 ) {
     let mut begin = 0;
     for (unit, heights) in turnings.units.iter_mut().zip(&turnings.heights) {
-        let list = batch.list(unit.block);
-        let weights = &turnings.weights[begin..begin + list.places.len()];
-        begin += list.places.len();
+        let (list, own) = batch.next_list(unit.block, &mut begin);
+        let weights = &turnings.weights[own];
         let x = moving(&place::<N, L, D>(token, &batch.blocks[unit.block], unit.lane), along);
         let fit = heights.map(|pair: Pair<N>| Dual::<L>::load(token, &pair));
         let second = heights_second_pass::<Dual<L>, D, HIGHEST>(list, &x, (task.field, &fit), weights);
