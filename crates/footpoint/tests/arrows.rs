@@ -5,15 +5,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What each crate may use of the others.
-const CRATES: [(&str, &[&str]); 4] = [
+const CRATES: [(&str, &[&str]); 5] = [
     ("footpoint", &[]),
     ("footpoint-io", &[]),
-    ("footpoint-jobs", &["footpoint", "footpoint-io"]),
+    ("footpoint-render", &["footpoint"]),
+    ("footpoint-jobs", &["footpoint", "footpoint-io", "footpoint-render"]),
     ("footpoint-cli", &["footpoint-jobs"]),
 ];
 
 /// The library's rooms, lowest first: each may use only those before it.
-const ROOMS: [&str; 32] = [
+const ROOMS: [&str; 34] = [
     "written",
     "lane",
     "dual",
@@ -43,13 +44,15 @@ const ROOMS: [&str; 32] = [
     "variance",
     "evaluate",
     "project",
+    "ray",
+    "contour",
     "degree",
     "uncertainty",
     "orient",
 ];
 
 /// Questions see the surface and its evaluator, never the engine or the index.
-const QUESTIONS: [&str; 5] = ["evaluate", "project", "degree", "uncertainty", "orient"];
+const QUESTIONS: [&str; 7] = ["evaluate", "project", "ray", "contour", "degree", "uncertainty", "orient"];
 const INTERNALS: [&str; 2] = ["engine", "grid"];
 
 const LONGEST_FILE: usize = 600;
