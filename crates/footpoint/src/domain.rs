@@ -14,11 +14,16 @@ use std::ops::ControlFlow;
 const WIDTH: i64 = 4;
 /// Where marching begins, if samples come as near as this share of their reach: the frame is well determined there, and f is
 /// still far from zero.
-const CORE: f64 = 0.55;
-/// Marching begins at most so many reaches after entering.
-const LATEST_BEGIN: f64 = 0.5;
+const CORE: f64 = 0.4;
+/// Marching begins at most so many reaches after entering, or halfway to where the stretch ends.
+const LATEST_BEGIN: f64 = 1.2;
 /// Stretches are cut after so many reaches: most rays hit before.
-const LONGEST_STRETCH: f64 = 8.0;
+const LONGEST_STRETCH: f64 = 2.5;
+/// Directions nearer to a face than this are taken for this.
+const FLATTEST: f64 = 1e-12;
+const SHORTEST_STRETCH: f64 = 1e-3;
+/// Gaps shorter than this many reaches do not end a stretch: rays that graze would enter again and again.
+const GAP: f64 = 0.5;
 
 /// Where balls around samples may be.
 #[derive(Debug)]
@@ -62,6 +67,16 @@ impl<const D: usize> Domain<D> {
 
     /// The first stretch between two ways.
     pub(crate) fn stretch(&self, line: &Line<D>, (from, to): (f64, f64)) -> Option<Stretch> {
+        let mut stretch = self.marked_stretch(line, (from, to))?;
+        // A ray that goes on at the face of a voxel may find nothing but that face: each stretch is to take it further.
+        let least = (stretch.begin + SHORTEST_STRETCH * stretch.reach).min(to);
+        if stretch.end < least {
+            (stretch.end, stretch.exits) = (least, false);
+        }
+        Some(stretch)
+    }
+
+    fn marked_stretch(&self, line: &Line<D>, (from, to): (f64, f64)) -> Option<Stretch> {
         let several = self.pyramids.len() > 1;
         let runs = self.pyramids.iter().filter_map(|p| p.run(line, (from, to)).map(|run| (run, p.reach)));
         if !several {
@@ -163,45 +178,42 @@ impl<const D: usize> Pyramid<D> {
 
     /// The first run of marked voxels, not longer than need be.
     fn run(&self, line: &Line<D>, (from, to): (f64, f64)) -> Option<Marked> {
-        let inverse = 1.0 / self.voxel;
-        let pace = line.direction.map(|c| if c == 0.0 { f64::INFINITY } else { self.voxel / c });
+        // A ray along a face is taken for one that crosses it far away.
+        let steady = |c: f64| if c.abs() < FLATTEST { FLATTEST.copysign(c) } else { c };
+        let across = line.direction.map(|c| self.voxel / steady(c));
+        let flip = (0..D).filter(|&k| across[k] < 0.0).fold(0, |flip, k| flip | 3 << (2 * k));
         let mut walk = Walk {
             pyramid: self,
-            origin: line.origin.map(|c| c * inverse),
-            direction: line.direction.map(|c| c * inverse),
-            pace,
-            forward: line.direction.map(|c| c > 0.0),
+            pace: across.map(f64::abs),
+            flip,
             longest: LONGEST_STRETCH * self.reach,
-            slack: 1e-9 * self.voxel,
+            gap: GAP * self.reach,
             found: None,
         };
+        let inverse = 1.0 / self.voxel;
         let size = (WIDTH as f64).powi(self.storeys.len() as i32 + 1);
-        let mut entries = [(f64::INFINITY, 0.0, 0); 8];
+        let mut entries = [(f64::INFINITY, 0.0, [0.0; D], 0); 8];
         let mut count = 0;
         for (i, top) in self.tops.iter().enumerate() {
             let (mut enter, mut leave) = (from, to);
+            let mut near = [0.0; D];
             for k in 0..D {
-                let low = top[k] as f64 * size - walk.origin[k];
-                if line.direction[k] == 0.0 {
-                    if low > 0.0 || low + size < 0.0 {
-                        enter = f64::INFINITY;
-                    }
-                    continue;
-                }
-                let (a, b) = (low * pace[k], (low + size) * pace[k]);
-                enter = enter.max(a.min(b));
+                let low = top[k] as f64 * size - line.origin[k] * inverse;
+                let (a, b) = (low * across[k], (low + size) * across[k]);
+                near[k] = a.min(b);
+                enter = enter.max(near[k]);
                 leave = leave.min(a.max(b));
             }
             if enter <= leave && enter < f64::INFINITY {
-                entries[count] = (enter, leave, i);
+                entries[count] = (enter, leave, near, i);
                 count += 1;
             }
         }
         let entries = &mut entries[..count];
         entries.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        for &mut (enter, leave, i) in entries {
-            let corner = self.tops[i].map(|c| c as f64 * size);
-            if walk.through((self.storeys.len(), i), (corner, size), (enter, leave)).is_break() {
+        for &mut (enter, leave, near, i) in entries {
+            let part = size / WIDTH as f64;
+            if walk.through((self.storeys.len(), i), (near, part), (enter, leave)).is_break() {
                 break;
             }
         }
@@ -209,30 +221,27 @@ impl<const D: usize> Pyramid<D> {
     }
 }
 
-/// A ray through a pyramid, in units of voxels, and what it has found.
+/// A ray through a pyramid, and what it has found. Axes along which the ray goes down are mirrored.
 struct Walk<'p, const D: usize> {
     pyramid: &'p Pyramid<D>,
-    origin: [f64; D],
-    direction: [f64; D],
     /// Way from voxel to voxel along each axis.
     pace: [f64; D],
-    forward: [bool; D],
+    /// Which bits of a child's place are mirrored.
+    flip: u32,
     longest: f64,
-    /// Neighbours share a face up to this rounding.
-    slack: f64,
+    gap: f64,
     found: Option<Marked>,
 }
 
 impl<const D: usize> Walk<'_, D> {
-    /// Through the marked voxels of a node in the order of the ray, until the run has ended. `corner` and `size` are the
-    /// node's, `enter` and `leave` the ways at which the ray crosses its faces.
+    /// Through the marked voxels of a node in the order of the ray, until the run has ended. `near` are the ways to the faces
+    /// where it would enter along each axis, `part` is the side of a child in voxels.
     fn through(
         &mut self,
         (storey, index): (usize, usize),
-        (corner, size): ([f64; D], f64),
+        (near, part): ([f64; D], f64),
         (mut enter, leave): (f64, f64),
     ) -> ControlFlow<()> {
-        let part = size / WIDTH as f64;
         let (mask, core, first) = match storey {
             0 => (self.pyramid.bricks[index].near, self.pyramid.bricks[index].core, 0),
             _ => {
@@ -240,25 +249,25 @@ impl<const D: usize> Walk<'_, D> {
                 (node.mask, 0, node.first as usize)
             }
         };
-        let inverse = 1.0 / part;
-        let mut child = [0_i32; D];
-        let mut next = [f64::INFINITY; D];
+        // Three bits an axis: the child that the ray is in, and one that is set when it leaves the node.
+        let mut child = 0_u32;
+        let mut next = [0.0; D];
+        let pace: [f64; D] = std::array::from_fn(|k| self.pace[k] * part);
         for k in 0..D {
-            let along = (self.origin[k] + enter * self.direction[k] - corner[k]) * inverse;
-            child[k] = (along.max(0.0) as i32).min(WIDTH as i32 - 1);
-            if self.pace[k] != f64::INFINITY {
-                let face = child[k] + i32::from(self.forward[k]);
-                next[k] = (corner[k] + f64::from(face) * part - self.origin[k]) * self.pace[k];
-            }
+            let passed = |faces: f64| i32::from(near[k] + faces * pace[k] <= enter);
+            let along = passed(1.0) + passed(2.0) + passed(3.0);
+            child |= (along as u32) << (3 * k);
+            next[k] = near[k] + f64::from(along + 1) * pace[k];
         }
         loop {
-            let axis = (1..D).fold(0, |best, k| if next[k] < next[best] { k } else { best });
-            let out = next[axis].min(leave);
-            let bit = (0..D).fold(0, |bit, k| bit | child[k] << (2 * k));
-            let here = 1_u64 << bit;
+            let face =
+                next.iter().fold(f64::INFINITY, |nearest, &way| if way < nearest { way } else { nearest });
+            let out = if face < leave { face } else { leave };
+            let place = (child & 3 | child >> 1 & 12 | child >> 2 & 48) ^ self.flip;
+            let here = 1_u64 << place;
             if mask & here == 0 {
                 // Behind the run.
-                if self.found.is_some_and(|run| enter > run.end - self.slack && out > run.end + self.slack) {
+                if self.found.is_some_and(|run| out > run.end + self.gap) {
                     return ControlFlow::Break(());
                 }
             } else if out >= enter {
@@ -266,27 +275,33 @@ impl<const D: usize> Walk<'_, D> {
                     self.mark(enter, out, core & here != 0)?;
                 } else {
                     let below = first + (mask & (here - 1)).count_ones() as usize;
-                    let corner = std::array::from_fn(|k| corner[k] + f64::from(child[k]) * part);
-                    self.through((storey - 1, below), (corner, part), (enter, out))?;
+                    let near = std::array::from_fn(|k| next[k] - pace[k]);
+                    self.through((storey - 1, below), (near, 0.25 * part), (enter, out))?;
                 }
             }
-            if next[axis] >= leave {
+            if face >= leave {
                 return ControlFlow::Continue(());
             }
-            enter = next[axis].max(enter);
-            child[axis] += if self.forward[axis] { 1 } else { -1 };
-            if !(0..WIDTH as i32).contains(&child[axis]) {
+            enter = if face > enter { face } else { enter };
+            // Without a branch: which axis comes next cannot be foreseen.
+            let mut crosses = true;
+            for k in 0..D {
+                let moves = crosses && next[k] == face;
+                crosses &= !moves;
+                next[k] += if moves { pace[k] } else { 0.0 };
+                child += u32::from(moves) << (3 * k);
+            }
+            if child & 0o444 != 0 {
                 return ControlFlow::Continue(());
             }
-            next[axis] += self.pace[axis].abs() * part;
         }
     }
 
     fn mark(&mut self, enter: f64, leave: f64, core: bool) -> ControlFlow<()> {
-        let slack = self.slack;
+        let gap = self.gap;
         let run = match &mut self.found {
             None => self.found.insert(Marked { begin: enter, core: f64::INFINITY, end: leave, cut: false }),
-            Some(run) if enter > run.end + slack => return ControlFlow::Break(()),
+            Some(run) if enter > run.end + gap => return ControlFlow::Break(()),
             Some(run) => run,
         };
         run.end = leave;

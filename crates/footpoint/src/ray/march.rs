@@ -16,7 +16,7 @@
 use super::Cast;
 use crate::algebra::{add_scaled, dot, length, scale};
 use crate::definition::Kind;
-use crate::domain::Stretch;
+use crate::domain::{Domain, Line, Stretch};
 use crate::evaluator::{Local, Position};
 use crate::field::NormalField;
 use crate::lane::Precision;
@@ -24,20 +24,28 @@ use crate::status::Status;
 use crate::surface::Surface;
 
 const PULL: f64 = 1.5;
-const BEND: f64 = 1.0;
+const BEND: f64 = 0.5;
+
 /// Frames whose normals agree less than this have nothing to say about each other's sign: 60°.
 const AGREEMENT: f64 = 0.5;
 /// Parts shorter than this many supports are taken for clear.
 const SHORTEST: f64 = 1.0 / 64.0;
+
 /// Longest step, in supports.
-const LONGEST: f64 = 1.0;
-/// Evaluations along one stretch, at most.
+const LONGEST: f64 = 2.0;
+/// How far a step goes beyond what its beginning speaks for: its end speaks for some way back.
+const AHEAD: f64 = 1.6;
+
+/// Marches longer than this many reaches are broken off and begun anew, in a group of rays that are near there.
+const FARTHEST: f64 = 12.0;
+/// Evaluations along one march, at most.
 const MOST: u32 = 4000;
 
 /// What does not change along a ray.
 #[derive(Clone, Copy)]
 pub(super) struct Rules<'s, const D: usize> {
     surface: &'s Surface<D>,
+    domain: &'s Domain<D>,
     tolerance: f64,
     /// b, and what the average may be off by where f is not its height.
     limit: f64,
@@ -50,7 +58,7 @@ pub(super) struct Rules<'s, const D: usize> {
 }
 
 impl<'s, const D: usize> Rules<'s, D> {
-    pub(super) fn new(surface: &'s Surface<D>, how: &Cast) -> Self {
+    pub(super) fn new((surface, domain): (&'s Surface<D>, &'s Domain<D>), how: &Cast) -> Self {
         let definition = surface.definition();
         let averaged = definition.kind() != Kind::Levin && definition.degree() == 0;
         let (finest, least) = match definition.precision() {
@@ -59,6 +67,7 @@ impl<'s, const D: usize> Rules<'s, D> {
         };
         Self {
             surface,
+            domain,
             tolerance: how.effective_tolerance().max(least),
             limit: definition.boundary_limit::<D>() + if averaged { 0.0 } else { 0.2 },
             scale_of_reach: 1.0 / definition.weight().reach(),
@@ -146,6 +155,8 @@ pub(super) struct March<const D: usize> {
     anchor: [f64; D],
     direction: [f64; D],
     stretch: Stretch,
+    /// Where the ray ends.
+    to: f64,
     /// All before it is settled.
     left: Known<D>,
     begun: bool,
@@ -153,14 +164,14 @@ pub(super) struct March<const D: usize> {
     before: Option<(f64, f64, f64)>,
     /// Points beyond, the nearest last.
     pending: Vec<Known<D>>,
-    /// What is known at the zeros among these, and at the last point.
+    /// What is known at the zeros among these.
     zeros: Vec<(f64, Local<D>)>,
-    last: Local<D>,
     target: f64,
     tries: u32,
     /// Whether a zero at the very beginning counts.
     inclusive: bool,
     pub(super) evaluations: u32,
+    pub(super) has_ended: bool,
     /// The first zero that was not accepted.
     pub(super) rejected: Option<Status>,
 }
@@ -169,23 +180,24 @@ impl<const D: usize> March<D> {
     /// `stretch` with its ways relative to the anchor.
     pub(super) fn new(
         (anchor, direction): ([f64; D], [f64; D]),
-        (stretch, inclusive): (Stretch, bool),
+        (stretch, to, inclusive): (Stretch, f64, bool),
         rules: &Rules<'_, D>,
     ) -> Self {
         Self {
             anchor,
             direction,
             stretch,
+            to,
             left: Known::outside(0.0, stretch.reach, rules),
             begun: stretch.enters,
             before: None,
             pending: Vec::new(),
             zeros: Vec::new(),
-            last: Local::NOWHERE,
             target: stretch.first,
             tries: 0,
             inclusive,
             evaluations: 0,
+            has_ended: false,
             rejected: None,
         }
     }
@@ -193,6 +205,12 @@ impl<const D: usize> March<D> {
     /// Where to evaluate.
     pub(super) fn position(&self) -> Position<D> {
         Position { anchor: self.anchor, offset: scale(self.direction, self.target) }
+    }
+
+    /// Where the zero may well be, if all goes well.
+    pub(super) fn likely_position(&self) -> Position<D> {
+        let way = self.target + 0.6 * self.stretch.reach;
+        Position { anchor: self.anchor, offset: scale(self.direction, way) }
     }
 
     /// A point of the ray.
@@ -220,7 +238,6 @@ impl<const D: usize> March<D> {
         } else {
             Known::new(self.target, &local, self.direction, rules)
         };
-        self.last = local;
         if known.is_zero {
             self.zeros.push((known.way, local));
         }
@@ -234,18 +251,22 @@ impl<const D: usize> March<D> {
             }
             self.zeros.clear();
         }
-        self.proceed(rules)
+        self.proceed(Some(&local), rules)
     }
 
-    /// Goes on as far as what is known allows.
-    pub(super) fn proceed(&mut self, rules: &Rules<'_, D>) -> Next<D> {
+    /// Goes on as far as what is known allows. `latest` is what was found by an evaluation just now.
+    pub(super) fn proceed(&mut self, latest: Option<&Local<D>>, rules: &Rules<'_, D>) -> Next<D> {
         loop {
             let left = &self.left;
             let Some(right) = self.pending.last_mut() else {
                 if left.way >= self.stretch.end || self.is_spent() {
                     return Next::End;
                 }
-                self.target = left.way + self.step(left);
+                self.target = left.way + self.step(left, rules);
+                if self.target >= self.stretch.end && self.goes_on() {
+                    self.extend(rules);
+                    continue;
+                }
                 if self.target >= self.stretch.end {
                     self.target = self.stretch.end;
                     if self.stretch.exits {
@@ -272,9 +293,10 @@ impl<const D: usize> March<D> {
                 Part::Bracket { value, .. } => {
                     // As near as numbers allow; or a jump, where the frame turned over.
                     let converged = left.value.abs().max(value.abs()) <= 1e-4 * h;
-                    if converged && !left.is_zero && !right.is_zero {
+                    let latest = latest.filter(|_| converged && !left.is_zero && !right.is_zero);
+                    if let Some(&local) = latest {
                         right.is_zero = true;
-                        self.zeros.push((right.way, self.last));
+                        self.zeros.push((right.way, local));
                     }
                 }
                 Part::Unclear if width > SHORTEST * h => {
@@ -300,6 +322,24 @@ impl<const D: usize> March<D> {
         }
     }
 
+    /// Whether more may follow the stretch, not too far from where it began: beyond, rays are put together anew.
+    fn goes_on(&self) -> bool {
+        let Stretch { end, exits, reach, .. } = self.stretch;
+        !exits && end < self.to && end < FARTHEST * reach
+    }
+
+    /// Takes in what follows a stretch that was cut.
+    fn extend(&mut self, rules: &Rules<'_, D>) {
+        let line = Line { origin: self.anchor, direction: self.direction };
+        let Stretch { end, .. } = self.stretch;
+        match rules.domain.stretch(&line, (end, self.to)) {
+            Some(next) if !next.enters => {
+                self.stretch = Stretch { end: next.end, exits: next.exits, ..self.stretch };
+            }
+            _ => self.stretch.exits = end < self.to,
+        }
+    }
+
     fn evaluate(&mut self) -> Next<D> {
         if self.is_spent() { Next::End } else { Next::Evaluate }
     }
@@ -318,7 +358,7 @@ impl<const D: usize> March<D> {
     }
 
     /// How far ahead of a settled point to look.
-    fn step(&self, left: &Known<D>) -> f64 {
+    fn step(&self, left: &Known<D>, rules: &Rules<'_, D>) -> f64 {
         let h = left.support;
         let longest = LONGEST * h;
         if left.has_value() && !left.is_zero {
@@ -327,9 +367,8 @@ impl<const D: usize> March<D> {
                 return self.before.map_or(newton, |before| extrapolated(before, left, newton));
             }
         }
-        // What lies ahead speaks for some way back.
         let way = left.free.max(left.steady(1.0, BEND));
-        (1.6 * way).clamp(0.25 * h, longest)
+        (AHEAD * way).clamp(0.25 * h, longest)
     }
 }
 

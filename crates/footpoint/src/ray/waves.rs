@@ -16,6 +16,9 @@ use std::sync::{Mutex, PoisonError};
 /// Rays that are taken on together: enough to find near ones among them, few enough for the caches.
 const TOGETHER: usize = 1 << 16;
 
+/// Rays that march in step: what is kept of them stays in the fastest caches.
+const IN_STEP: usize = 128;
+
 /// Where rays end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
@@ -25,7 +28,7 @@ pub(super) enum Stop {
 
 /// What came of a batch.
 pub(super) struct Found<const D: usize> {
-    /// By ray, then by t.
+    /// By ray, then by t; in any order where there is one a ray.
     pub(super) hits: Vec<Hit<D>>,
     pub(super) evaluations: Vec<u32>,
     pub(super) status: Vec<Status>,
@@ -80,15 +83,19 @@ pub(super) fn cast<const D: usize>(
 ) -> Result<Found<D>, Cancelled> {
     let Running { surface, run } = *running;
     let domain = surface.domain(run);
-    let batch = Batch { surface, rays, how, rules: Rules::new(surface, how), stop };
+    let batch = Batch { surface, rays, how, rules: Rules::new((surface, domain), how), stop };
     let mut found = Found {
         hits: Vec::new(),
         evaluations: vec![0; rays.len()],
         status: vec![Status::Outside; rays.len()],
     };
     let mut waiting = Vec::new();
-    for first in (0..rays.len()).step_by(TOGETHER) {
-        for ray in first..rays.len().min(first + TOGETHER) {
+    let mut next = 0;
+    while next < rays.len() || !waiting.is_empty() {
+        // Few rays alone have no near ones among them.
+        let first = next;
+        next = rays.len().min(next + TOGETHER.saturating_sub(waiting.len()));
+        for ray in first..next {
             if rays[ray].is_usable() {
                 let from = batch.line(ray as u32).1 * how.from;
                 waiting.push(Waiting { ray: ray as u32, inclusive: true, from });
@@ -96,12 +103,12 @@ pub(super) fn cast<const D: usize>(
                 found.status[ray] = Status::Invalid;
             }
         }
-        while !waiting.is_empty() {
-            run.check()?;
-            wave((&batch, domain, run), &mut waiting, &mut found)?;
-        }
+        run.check()?;
+        wave((&batch, domain, run), &mut waiting, &mut found)?;
     }
-    found.hits.sort_unstable_by(|a, b| a.ray.cmp(&b.ray).then(a.t.total_cmp(&b.t)));
+    if stop == Stop::AtEnd {
+        found.hits.sort_unstable_by(|a, b| a.ray.cmp(&b.ray).then(a.t.total_cmp(&b.t)));
+    }
     Ok(found)
 }
 
@@ -181,45 +188,61 @@ impl<const D: usize> Batch<'_, D> {
     }
 }
 
-/// Marches the rays of a group, all by one step at a time.
+/// Marches the rays of a group.
 fn through_group<const D: usize>(
     (evaluator, group): (&mut Evaluator<'_, D>, &Group<D>),
     entered: &[Entered],
     batch: &Batch<'_, D>,
 ) -> Gathered<D> {
-    let rules = &batch.rules;
-    let mut found =
-        Gathered { hits: Vec::with_capacity(group.rows.len()), rests: Vec::with_capacity(group.rows.len()) };
+    let room = || group.rows.len();
+    let mut found = Gathered { hits: Vec::with_capacity(room()), rests: Vec::with_capacity(room()) };
     for &place in &group.invalid {
         let (ray, rejected) = (entered[place as usize].waiting.ray, Some(Status::Invalid));
         found.rests.push(Rest { ray, evaluations: 0, rejected, from: None, spent: false });
     }
+    for (places, positions) in group.rows.chunks(IN_STEP).zip(group.positions.chunks(IN_STEP)) {
+        in_step((evaluator, batch), (places, positions), entered, &mut found);
+    }
+    found
+}
+
+/// Marches rays, all by one evaluation at a time.
+fn in_step<const D: usize>(
+    (evaluator, batch): (&mut Evaluator<'_, D>, &Batch<'_, D>),
+    (places, starts): (&[u32], &[Position<D>]),
+    entered: &[Entered],
+    found: &mut Gathered<D>,
+) {
+    let rules = &batch.rules;
     let start = |(&place, at): (&u32, &Position<D>)| {
         let Entered { waiting, stretch } = entered[place as usize];
-        let direction = batch.line(waiting.ray).0.direction;
-        March::new((at.anchor, direction), (stretch, waiting.inclusive), rules)
+        let (line, per_t) = batch.line(waiting.ray);
+        let to = batch.how.to * per_t - waiting.from;
+        March::new((at.anchor, line.direction), (stretch, to, waiting.inclusive), rules)
     };
-    let mut marches: Vec<March<D>> = group.rows.iter().zip(&group.positions).map(start).collect();
+    let mut marches: Vec<March<D>> = places.iter().zip(starts).map(start).collect();
     let mut under_way: Vec<usize> = (0..marches.len()).collect();
-    let mut positions = Vec::with_capacity(marches.len());
-    let mut ended = vec![false; marches.len()];
+    let mut positions: Vec<Position<D>> = Vec::with_capacity(2 * marches.len());
+    positions.extend(marches.iter().map(|march| march.position()));
+    positions.extend(marches.iter().map(|march| march.likely_position()));
+    evaluator.expect(&positions);
     while !under_way.is_empty() {
         positions.clear();
         positions.extend(under_way.iter().map(|&i| marches[i].position()));
         evaluator.evaluate(&positions, &|_, _| {}, |place, answers, lane| {
             let i = under_way[place];
-            let (march, entered) = (&mut marches[i], &entered[group.rows[i] as usize]);
+            let (march, entered) = (&mut marches[i], &entered[places[i] as usize]);
             let mut has_hit = false;
             let mut next = march.take(answers.local(lane), rules);
             while let Next::Hit(way, local) = next {
                 found.hits.push(batch.hit(entered, (way, march.point_at(way)), &local));
                 has_hit = true;
-                next = if batch.stop == Stop::AtFirst { Next::End } else { march.proceed(rules) };
+                next = if batch.stop == Stop::AtFirst { Next::End } else { march.proceed(None, rules) };
             }
             if matches!(next, Next::Evaluate) {
                 return;
             }
-            ended[i] = true;
+            march.has_ended = true;
             let ray = entered.waiting.ray;
             let is_done = batch.stop == Stop::AtFirst && has_hit;
             let spent = march.is_spent() && !is_done;
@@ -233,7 +256,6 @@ fn through_group<const D: usize>(
                 spent,
             });
         });
-        under_way.retain(|&i| !ended[i]);
+        under_way.retain(|&i| !marches[i].has_ended);
     }
-    found
 }

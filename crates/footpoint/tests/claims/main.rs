@@ -13,6 +13,7 @@ mod levin;
 mod nearest;
 mod options;
 mod orient;
+mod rays;
 mod same_bits;
 mod same_bits_large;
 mod same_bits_moved;
