@@ -7,13 +7,13 @@
 //! - *by f*: with f and its slope along the ray, and a bend (second derivative) of at most `BEND`/h over the gap, f keeps its
 //!   sign as long as |f| + m s − ½ bend s² > 0.
 //!
-//! The part between two points is clear of zeros where their ways meet. If the slopes at its ends say that f bends
-//! more than assumed, the bend is taken from them; frames that are not within 60° of each other decide nothing. A part that
-//! is not clear is halved, down to h/64; one over which f changes its sign (n carried along) is narrowed until |f| ≤ T h.
+//! The part between two points is clear of zeros where their ways meet. If values and slopes at its ends say that f bends
+//! more than assumed, the bend is taken from them; where it bends by more than `STRANGE`/h, and where frames are not within
+//! 60° of each other, they decide nothing. A part that is not clear is halved, down to h/64; one over which f changes its sign (n carried along) is narrowed until |f| ≤ T h.
 //! Nothing bounds the derivatives of f where the gap vanishes, so this is a rule that was measured, not proved: against
 //! dense sampling it loses no hit on clean clouds.
 
-use super::Cast;
+use super::{Cast, Sought};
 use crate::algebra::{add_scaled, dot, length, scale};
 use crate::definition::Kind;
 use crate::domain::{Domain, Line, Stretch};
@@ -24,15 +24,19 @@ use crate::status::Status;
 use crate::surface::Surface;
 
 const PULL: f64 = 1.5;
-const BEND: f64 = 0.5;
+const BEND: f64 = 1.0;
+/// Where f bends more than this from one point to the next, neither tells of the way between.
+const STRANGE: f64 = 2.0;
 
 /// Frames whose normals agree less than this have nothing to say about each other's sign: 60°.
 const AGREEMENT: f64 = 0.5;
 /// Parts shorter than this many supports are taken for clear.
-const SHORTEST: f64 = 1.0 / 64.0;
+const SHORTEST: f64 = 0.01;
 
-/// Longest step, in supports.
-const LONGEST: f64 = 2.0;
+/// Longest step, in supports: no sheet lies between two points without being within reach of one of them. Behind a zero the
+/// next sheet may be near.
+const LONGEST: f64 = 1.0;
+const LONGEST_BEHIND_ZERO: f64 = 0.4;
 /// How far a step goes beyond what its beginning speaks for: its end speaks for some way back.
 const AHEAD: f64 = 1.6;
 
@@ -47,6 +51,7 @@ pub(super) struct Rules<'s, const D: usize> {
     surface: &'s Surface<D>,
     domain: &'s Domain<D>,
     tolerance: f64,
+    any: bool,
     /// b, and what the average may be off by where f is not its height.
     limit: f64,
     /// h for a ball of radius one.
@@ -68,7 +73,8 @@ impl<'s, const D: usize> Rules<'s, D> {
         Self {
             surface,
             domain,
-            tolerance: how.effective_tolerance().max(least),
+            tolerance: how.tolerance.max(least),
+            any: how.sought == Sought::Any,
             limit: definition.boundary_limit::<D>() + if averaged { 0.0 } else { 0.2 },
             scale_of_reach: 1.0 / definition.weight().reach(),
             least_gap: definition.acceptance().gap,
@@ -88,6 +94,8 @@ struct Known<const D: usize> {
     /// No accepted zero is nearer than this, because the average is far.
     free: f64,
     is_zero: bool,
+    /// Whether a zero here could be accepted, as far as the average goes: else the frame may have turned.
+    is_sound: bool,
     support: f64,
     gap: f64,
     normal: [f64; D],
@@ -98,17 +106,27 @@ impl<const D: usize> Known<D> {
         let support = reach * rules.scale_of_reach;
         let free = ((reach - rules.limit * support) / PULL).max(0.0);
         let (gap, normal) = (f64::NAN, [f64::NAN; D]);
-        Self { way, value: f64::NAN, slope: f64::NAN, free, is_zero: false, support, gap, normal }
+        Self {
+            way,
+            value: f64::NAN,
+            slope: f64::NAN,
+            free,
+            is_zero: false,
+            is_sound: false,
+            support,
+            gap,
+            normal,
+        }
     }
 
     fn new(way: f64, local: &Local<D>, direction: [f64; D], rules: &Rules<'_, D>) -> Self {
         let Local { support, gap, normal, .. } = *local;
         let free = ((length(local.aside) - rules.limit * support) / PULL).max(0.0);
-        let known = local.status.is_ok() && gap >= rules.least_gap;
-        let only = |value: f64| if known { value } else { f64::NAN };
-        let slope = only(dot(local.gradient, direction));
-        let is_zero = known && local.value.abs() <= rules.tolerance * support;
-        Self { way, value: only(local.value), slope, free, is_zero, support, gap, normal }
+        let value = local.value;
+        let slope = dot(local.gradient, direction);
+        let is_zero = value.abs() <= rules.tolerance * support;
+        let is_sound = gap >= rules.least_gap && local.across() <= rules.limit * support;
+        Self { way, value, slope, free, is_zero, is_sound, support, gap, normal }
     }
 
     fn has_value(&self) -> bool {
@@ -117,7 +135,7 @@ impl<const D: usize> Known<D> {
 
     /// How far f keeps its sign, seen toward larger ways (`side` 1) or smaller ones (−1); behind a zero, its new sign.
     fn steady(&self, side: f64, bend: f64) -> f64 {
-        if !self.has_value() {
+        if !self.is_sound {
             return 0.0;
         }
         let bend = bend / (self.support * self.gap.clamp(0.1, 1.0));
@@ -241,6 +259,9 @@ impl<const D: usize> March<D> {
         if known.is_zero {
             self.zeros.push((known.way, local));
         }
+        if rules.any && known.is_zero && (self.begun || self.inclusive) && self.passes(rules) {
+            return Next::Hit(known.way, local);
+        }
         if self.begun {
             self.pending.push(known);
         } else {
@@ -262,7 +283,7 @@ impl<const D: usize> March<D> {
                 if left.way >= self.stretch.end || self.is_spent() {
                     return Next::End;
                 }
-                self.target = left.way + self.step(left, rules);
+                self.target = left.way + self.step(left);
                 if self.target >= self.stretch.end && self.goes_on() {
                     self.extend(rules);
                     continue;
@@ -358,9 +379,9 @@ impl<const D: usize> March<D> {
     }
 
     /// How far ahead of a settled point to look.
-    fn step(&self, left: &Known<D>, rules: &Rules<'_, D>) -> f64 {
+    fn step(&self, left: &Known<D>) -> f64 {
         let h = left.support;
-        let longest = LONGEST * h;
+        let longest = h * if left.is_zero { LONGEST_BEHIND_ZERO } else { LONGEST };
         if left.has_value() && !left.is_zero {
             let newton = -left.value / left.slope;
             if newton > 0.0 && newton <= longest {
@@ -392,9 +413,19 @@ fn between<const D: usize>(left: &Known<D>, right: &Known<D>, rules: &Rules<'_, 
             return Part::Bracket { value, slope };
         }
         let h = right.support.min(left.support);
-        bend = bend.max(1.5 * (slope - left.slope).abs() * h / width);
+        // What the slopes and the values say of the bend; other samples than before may have come into reach.
+        let rise = value - left.value;
+        let steps = (slope - left.slope, 2.0 * (rise / width - left.slope), 2.0 * (slope - rise / width));
+        let seen = steps.0.abs().max(steps.1.abs()).max(steps.2.abs()) * h / width;
+        if seen > STRANGE {
+            return Part::Unclear;
+        }
+        bend = bend.max(1.5 * seen);
     }
-    let (ahead, back) = (left.free.max(left.steady(1.0, bend)), right.free.max(right.steady(-1.0, bend)));
+    // What f says of the part counts as far as to its middle where nothing at the other end confirms it.
+    let most = if left.is_sound && right.is_sound { width } else { 0.5 * width };
+    let ahead = left.free.max(left.steady(1.0, bend).min(most));
+    let back = right.free.max(right.steady(-1.0, bend).min(most));
     if ahead + back >= width { Part::Clear } else { Part::Unclear }
 }
 

@@ -27,7 +27,7 @@ pub enum Sought {
     /// The one with the smallest t.
     #[default]
     First,
-    /// Any one: enough to know what is in shadow.
+    /// Any one, which may be found a little sooner: enough to know what is in shadow.
     Any,
 }
 
@@ -67,14 +67,6 @@ impl Cast {
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = if tolerance.is_nan() { 0.0 } else { tolerance };
         self
-    }
-
-    /// What |f| is compared with: nobody asks where a hit of any kind is.
-    fn effective_tolerance(&self) -> f64 {
-        match self.sought {
-            Sought::First => self.tolerance,
-            Sought::Any => self.tolerance.max(1e-3),
-        }
     }
 
     /// Seeks hits between these t; a NaN bounds nothing.
@@ -128,7 +120,7 @@ impl<const D: usize> Surface<D> {
         self.with(&run).cast(rays, how).unwrap_or_default()
     }
 
-    /// All zeros along rays that belong to the surface; which hit the definition of `how` seeks does not matter.
+    /// All zeros along rays that belong to the surface; which hit `how` seeks does not matter.
     pub fn cast_all(&self, rays: &[Ray<D>], how: &Cast) -> AllHits<D> {
         let run = Run::new();
         self.with(&run).cast_all(rays, how).unwrap_or_default()

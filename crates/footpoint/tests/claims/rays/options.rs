@@ -61,12 +61,15 @@ fn a_tighter_tolerance_takes_more_evaluations() {
 }
 
 #[test]
-fn any_hit_is_cheaper_than_the_first() {
-    let surface = sphere();
-    let rays = super::random_rays(&surface, 500, 1);
+fn any_hit_comes_sooner_than_the_first() {
+    // Noise makes the way to a hit unclear.
+    let points = samples::torus(1.0, 0.4, 5000, 1).with_noise(0.03, 2).points;
+    let surface = Surface::new(Cloud::new(points), Definition::new()).unwrap();
+    let rays = super::random_rays(&surface, 1000, 1);
     let first = surface.cast(&rays, &Cast::new());
     let any = surface.cast(&rays, &Cast::new().with_sought(Sought::Any));
-    assert!(any.evaluations.iter().sum::<u32>() < first.evaluations.iter().sum::<u32>());
+    let spent = |evaluations: &[u32]| evaluations.iter().sum::<u32>();
+    assert!(spent(&any.evaluations) < spent(&first.evaluations));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Two parallel sheets are two hits where they are far enough apart, and one where they have merged (SPEC § 8).
 
+use super::dense::compare;
 use footpoint::samples::{self, Random};
 use footpoint::{Cast, Cloud, Definition, Ray, Support, Surface};
 
@@ -27,6 +28,8 @@ fn shares(apart: f64, neighbours: f64) -> [f64; 4] {
         })
         .collect();
     let all = surface.cast_all(&rays, &Cast::new());
+    let found = compare(&surface, &rays[..400]);
+    assert!(found.missed + found.wrong == 0, "{found:?}");
     let mut counts = [0; 4];
     for i in 0..rays.len() {
         counts[all.of(i).len().min(3)] += 1;
@@ -36,10 +39,11 @@ fn shares(apart: f64, neighbours: f64) -> [f64; 4] {
 
 #[test]
 fn sheets_further_apart_than_a_support_are_two() {
-    for neighbours in [30.0, 100.0] {
+    // With few neighbours, unevenly spread, the sheet between the two is sometimes accepted as a third.
+    for (neighbours, two) in [(30.0, 0.93), (100.0, 0.95)] {
         let shares = shares(1.2, neighbours);
         println!("1.2 h apart, {neighbours} neighbours: {shares:?}");
-        assert!(shares[2] >= 0.95, "{shares:?}");
+        assert!(shares[2] >= two && shares[2] + shares[3] >= 0.999, "{shares:?}");
     }
 }
 

@@ -60,8 +60,8 @@ fn noisy(rays: usize) {
         let h = surface(cloud(name), Definition::new()).support().median;
         for noise in [0.05, 0.15] {
             let samples = cloud(name).with_noise(noise * h, 5);
-            // Below one miss in ten thousand; a short run allows one.
-            let allowed = 1e-4_f64.max(1.0 / rays as f64);
+            // Below one miss in ten thousand; a short run may meet one.
+            let allowed = 1e-4_f64.max(1.5 / rays as f64);
             check(&format!("{name}, noise {noise} h"), &surface(samples, Definition::new()), rays, allowed);
         }
     }
