@@ -8,10 +8,10 @@ use footpoint::{Operator, Run};
 
 pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
     let title = "Two steps of the almost orthogonal projection: x itself is projected onto the frames of the iterates";
-    let canvas = Canvas::new(title, [-0.6, -0.1], [1.3, 1.1]);
-    let mut scene = Scene::new(hill([0.53, 0.75], [-0.13, -0.02]), 0.57, canvas, run)?;
+    let canvas = Canvas::new(title, [-0.5, -0.25], [1.4, 1.05]);
+    let mut scene = Scene::new(hill([0.95, 0.3], [0.41, -0.29]), 1.02, canvas, run)?;
     let contour = scene.draw_curve()?;
-    let iterates: [[f64; 2]; 3] = scene.iterates([0.48, 0.98], Operator::AlmostOrthogonal)?;
+    let iterates: [[f64; 2]; 3] = scene.iterates([0.85, 0.88], Operator::AlmostOrthogonal)?;
     let [x, first, second] = iterates;
     let frames = scene.frames(&[x, first])?;
     for (frame, end) in frames.iter().zip([first, second]) {
@@ -28,6 +28,6 @@ pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
         canvas.point(point, ink);
         canvas.letters(point, [-12.0, 4.0], name, ink);
     }
-    scene.label_contour(&contour, [-0.4, 0.45], [0.0, 16.0]);
+    scene.label_contour(&contour, [1.3, 0.1], [0.0, 16.0]);
     Ok(scene.canvas.finish())
 }

@@ -11,7 +11,7 @@ const LINES: usize = 30;
 
 pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
     // Waves no longer than the support, on the upper half only.
-    let radius = |angle: f64| 0.8 * (1.0 + 0.25 * angle.sin().max(0.0) * (11.0 * angle).sin());
+    let radius = |angle: f64| 0.8 * (1.0 + 0.22 * angle.sin().max(0.0) * (11.0 * angle).sin());
     let title =
         "On the contour the direction of smallest covariance n is not always that of the gradient of f";
     let canvas = Canvas::new(title, [-1.15, -0.95], [1.15, 1.2]);

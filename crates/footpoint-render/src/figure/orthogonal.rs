@@ -8,10 +8,10 @@ use footpoint::{Operator, Run};
 
 pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
     let title = "One step of the orthogonal projection: x moves along the gradient of f onto the frame of the iterate";
-    let canvas = Canvas::new(title, [-1.1, -0.1], [0.7, 1.1]);
-    let mut scene = Scene::new(hill([0.76, 0.37], [0.05, 0.17]), 1.07, canvas, run)?;
+    let canvas = Canvas::new(title, [-0.8, -0.15], [0.9, 1.15]);
+    let mut scene = Scene::new(hill([0.73, 0.3], [0.22, 0.07]), 1.12, canvas, run)?;
     let contour = scene.draw_curve()?;
-    let [x, first, second]: [[f64; 2]; 3] = scene.iterates([-0.4, 0.87], Operator::Orthogonal)?;
+    let [x, first, second]: [[f64; 2]; 3] = scene.iterates([0.25, 0.97], Operator::Orthogonal)?;
     let frame = scene.frame(first)?;
     scene.draw_tangent(&frame, [80.0, 80.0]);
     let normal = scene.draw_normal(&frame, first, 50.0);
@@ -28,6 +28,6 @@ pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
         canvas.point(point, ink);
         canvas.letters(point, [-12.0, 2.0], name, ink);
     }
-    scene.label_contour(&contour, [-0.9, 0.0], [0.0, 16.0]);
+    scene.label_contour(&contour, [-0.7, 0.0], [0.0, 16.0]);
     Ok(scene.canvas.finish())
 }
