@@ -8,7 +8,7 @@ use footpoint::{Operator, Run};
 
 pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
     let title = "Two steps of the almost orthogonal projection: x itself is projected onto the frames of the iterates";
-    let canvas = Canvas::new(title, [-0.5, -0.25], [1.4, 1.05]);
+    let canvas = Canvas::new(title, [0.12, -0.1], [1.42, 0.98]);
     let mut scene = Scene::new(hill([0.95, 0.3], [0.41, -0.29]), 1.02, canvas, run)?;
     let contour = scene.draw_curve()?;
     let iterates: [[f64; 2]; 3] = scene.iterates([0.85, 0.88], Operator::AlmostOrthogonal)?;
@@ -20,14 +20,15 @@ pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
         scene.canvas.arrow(x, end, STEP);
     }
     let (canvas, ink, blue) = (&mut scene.canvas, colour::INK, colour::FRAME);
-    for (frame, name) in frames.iter().zip(["a(x)", "a(x′)"]) {
+    for (frame, (name, offset)) in frames.iter().zip([("a(x)", [8.0, 14.0]), ("a(x′)", [-12.0, 14.0])]) {
         canvas.point(frame.average, blue);
-        canvas.letters(frame.average, [10.0, -14.0], name, blue);
+        canvas.letters(frame.average, offset, name, blue);
     }
-    for (point, name) in iterates.into_iter().zip(["x", "x′", "x″"]) {
+    let names = [("x", [-12.0, 2.0]), ("x′", [-11.0, 10.0]), ("x″", [13.0, -15.0])];
+    for (point, (name, offset)) in iterates.into_iter().zip(names) {
         canvas.point(point, ink);
-        canvas.letters(point, [-12.0, 4.0], name, ink);
+        canvas.letters(point, offset, name, ink);
     }
-    scene.label_contour(&contour, [1.3, 0.1], [0.0, 16.0]);
+    scene.label_contour(&contour, [0.25, 0.4], [14.0, 15.0]);
     Ok(scene.canvas.finish())
 }

@@ -16,13 +16,13 @@ pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
     for frame in scene.frames(&iterates[1..3])? {
         scene.draw_tangent(&frame, [95.0, 95.0]);
         let end = frame.meets(frame.point, frame.normal);
-        scene.canvas.right_angle(end, frame.normal, frame.tangent(), STEP);
+        scene.canvas.right_angle(end, frame.normal, frame.tangent().map(|c| -c), STEP);
     }
     for step in iterates.windows(2) {
         scene.canvas.arrow(step[0], step[1], STEP);
     }
     let names = ["x", "x′ = a(x)", "x″", "x‴"];
-    let offsets = [[13.0, 0.0], [36.0, 2.0], [14.0, -6.0], [-15.0, -4.0]];
+    let offsets = [[13.0, 0.0], [36.0, 2.0], [17.0, -2.0], [17.0, 5.0]];
     for ((&iterate, name), offset) in iterates.iter().zip(names).zip(offsets) {
         scene.canvas.point(iterate, colour::INK);
         scene.canvas.letters(iterate, offset, name, colour::INK);
