@@ -17,7 +17,7 @@ pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
     for (frame, end) in frames.iter().zip([first, second]) {
         scene.draw_tangent(frame, [80.0, 80.0]);
         scene.canvas.right_angle(end, frame.normal, frame.tangent(), STEP);
-        scene.canvas.arrow(x, end, STEP);
+        scene.canvas.step(x, end, STEP);
     }
     let (canvas, ink, blue) = (&mut scene.canvas, colour::INK, colour::FRAME);
     for (frame, (name, offset)) in frames.iter().zip([("a(x)", [8.0, 14.0]), ("a(x′)", [-12.0, 14.0])]) {

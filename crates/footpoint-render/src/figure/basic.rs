@@ -13,13 +13,17 @@ pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
     let mut scene = Scene::new(hill([0.77, 0.32], [-0.12, -0.08]), 1.27, canvas, run)?;
     let contour = scene.draw_curve()?;
     let iterates: [[f64; 2]; 4] = scene.iterates([-0.01, 1.56], Operator::Basic)?;
-    for frame in scene.frames(&iterates[1..3])? {
-        scene.draw_tangent(&frame, [95.0, 95.0]);
+    let frames = scene.frames(&iterates[1..3])?;
+    for frame in &frames {
+        scene.draw_tangent(frame, [95.0, 95.0]);
         let end = frame.meets(frame.point, frame.normal);
         scene.canvas.right_angle(end, frame.normal, frame.tangent().map(|c| -c), STEP);
     }
     for step in iterates.windows(2) {
-        scene.canvas.arrow(step[0], step[1], STEP);
+        scene.canvas.step(step[0], step[1], STEP);
+    }
+    for frame in &frames {
+        scene.canvas.point(frame.average, colour::FRAME);
     }
     let names = ["x", "x′ = a(x)", "x″", "x‴"];
     let offsets = [[13.0, 0.0], [36.0, 2.0], [17.0, -2.0], [17.0, 5.0]];

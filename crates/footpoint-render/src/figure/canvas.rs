@@ -1,7 +1,7 @@
 //! A page to draw on: shapes in the coordinates of the samples, sizes in pixels, written as SVG.
 
 use super::style::{CORNER, FONT, HEAD, LETTERS, POINT, Pen, REMARKS, WIDTH};
-use kurbo::{Affine, Arc, Point, Vec2};
+use kurbo::{Affine, Arc, Point, Rect, Vec2};
 use svg::Node;
 use svg::node::Text;
 use svg::node::element::Element;
@@ -81,12 +81,20 @@ impl Canvas {
         self.add("path", &[("d", head), ("fill", pen.colour.into())]);
     }
 
-    /// Discs of this radius in pixels.
+    /// An arrow to a marked point: its tip touches the mark.
+    pub(super) fn step(&mut self, from: [f64; 2], to: [f64; 2], pen: Pen) {
+        let back = self.pixels(POINT + 1.0);
+        let (x, y) = (from[0] - to[0], from[1] - to[1]);
+        let length = x.hypot(y);
+        self.arrow(from, [to[0] + back * x / length, to[1] + back * y / length], pen);
+    }
+
+    /// Discs of this radius in pixels, without those beside the page.
     pub(super) fn dots(&mut self, points: &[[f64; 2]], radius: f64, fill: &str) {
         let mut group = Element::new("g");
         group.assign("fill", fill);
-        for &point in points {
-            let centre = self.place(point);
+        let page = Rect::new(0.0, 0.0, WIDTH, self.height).inflate(radius, radius);
+        for centre in points.iter().map(|&point| self.place(point)).filter(|&centre| page.contains(centre)) {
             let mut dot = Element::new("circle");
             dot.assign("cx", rounded(centre.x));
             dot.assign("cy", rounded(centre.y));

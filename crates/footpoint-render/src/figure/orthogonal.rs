@@ -19,7 +19,7 @@ pub(super) fn draw(run: &Run<'_>) -> Result<String, FigureError> {
     let (canvas, ink, blue) = (&mut scene.canvas, colour::INK, colour::FRAME);
     canvas.arrow(first, gradient, GRADIENT);
     canvas.angle((first, 22.0), [frame.normal, frame.gradient], STEP);
-    canvas.arrow(x, second, STEP);
+    canvas.step(x, second, STEP);
     canvas.point(frame.average, blue);
     canvas.letters(frame.average, [12.0, 14.0], "a(x′)", blue);
     canvas.letters(normal, [6.0, 10.0], "n(x′)", blue);

@@ -19,6 +19,8 @@ pub(super) struct Crossing {
 /// Below this cosine between the frame normals at its ends an edge does not tell whether f changes sign, and between the
 /// surface normals of two crossings a cell is too wide for the curve in it.
 const TURNED: f64 = 0.7;
+/// A cell at whose corners |f| is larger than this many of its widths has no zero of f, if n is about the same at all.
+const STEEPEST: f64 = 1.5;
 /// Evaluations spent on one zero at most: secants need four or five, halving 40.
 const MOST_STEPS: usize = 60;
 
@@ -69,8 +71,8 @@ impl<'r> Net<'r> {
     /// Finds the zeros, and halves cells as long as that is of use.
     pub(super) fn refine(&mut self) -> Result<(), Cancelled> {
         self.see_corners()?;
-        let corners = &self.corners;
-        self.cells.retain(|cell| cell.corners().iter().any(|c| !corners[c].value.is_nan()));
+        let cells = std::mem::take(&mut self.cells);
+        self.cells = cells.into_iter().filter(|cell| self.may_meet(cell)).collect();
         for _ in 0..HALVINGS {
             self.find_crossings()?;
             if !self.halve_doubtful() {
@@ -91,6 +93,23 @@ impl<'r> Net<'r> {
         let seen = self.judge.see(&points)?;
         self.corners.extend(new.into_iter().zip(seen));
         Ok(())
+    }
+
+    /// Whether the curve may run through a cell or along its sides.
+    fn may_meet(&self, cell: &Cell) -> bool {
+        let width = self.lattice.length(cell.side);
+        let seen = cell.corners().map(|corner| self.corners[&corner]);
+        if seen.iter().all(|seen| seen.value.is_nan() || !self.is_near(seen, width)) {
+            return false;
+        }
+        // Where frames agree f is about as steep as a distance.
+        let agree = |other: &Seen| dot(seen[0].normal, other.normal).abs() >= TURNED;
+        !seen.iter().all(|seen| seen.value.abs() > STEEPEST * width && agree(seen))
+    }
+
+    /// Whether an accepted zero may lie within a cell of this width at whose corner this is seen: a moves about as fast as x.
+    fn is_near(&self, seen: &Seen, width: f64) -> bool {
+        seen.aside <= self.judge.boundary * seen.support + 2.0 * width
     }
 
     /// The sides of a cell, cut where another cell has a corner.
@@ -174,9 +193,8 @@ impl<'r> Net<'r> {
         }
         let width = self.lattice.length(cell.side);
         self.edges(cell).iter().filter_map(|edge| self.ends(edge)).any(|(one, other)| {
-            // a moves about as fast as x: farther away there is no accepted zero in the cell.
-            let near = |seen: &Seen| seen.aside <= self.judge.boundary * seen.support + 2.0 * width;
-            dot(one.normal, other.normal).abs() < TURNED && near(one) && near(other)
+            let turned = dot(one.normal, other.normal).abs() < TURNED;
+            turned && self.is_near(one, width) && self.is_near(other, width)
         })
     }
 }
