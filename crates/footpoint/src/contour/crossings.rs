@@ -57,7 +57,7 @@ impl<'r> Net<'r> {
         let far = |(centre, radius): &([f64; 2], f64)| centre.iter().any(|c| c.abs() > FARTHEST * radius);
         discs.retain(|disc| !far(disc));
         discs.iter_mut().for_each(|(_, radius)| *radius *= reach);
-        let (lattice, cells) = cover(&discs, how.cell / reach);
+        let (lattice, cells) = cover(&discs, how.share() / reach);
         Self {
             judge: Judge::new(running, how),
             lattice,

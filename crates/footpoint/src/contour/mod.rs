@@ -15,7 +15,9 @@ use crossings::Net;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default))]
 pub struct Contour {
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     cell: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::written"))]
     tolerance: f64,
 }
 
@@ -34,12 +36,16 @@ impl Contour {
         Self::default()
     }
 
-    /// Cells at most this share of the supports wide, 0.001 to 0.5: what lies outside of that is taken there. A polyline has a
-    /// vertex wherever it crosses a side of a cell, and strays from a curve of curvature κ by about κ (share · h)²/8.
+    /// Cells at most this share of the supports wide, 0.001 to 0.5; what lies outside of that is taken there, NaN as the default.
+    /// A polyline has a vertex wherever it crosses a side of a cell, and strays from a curve of curvature κ by about
+    /// κ (share · h)²/8. Evaluations grow with one over the square of the share.
     pub fn with_cell(mut self, share: f64) -> Self {
-        // The larger of NaN and a number is the number.
-        self.cell = share.max(CELLS.0).min(CELLS.1);
+        self.cell = share;
         self
+    }
+
+    fn share(&self) -> f64 {
+        if self.cell.is_nan() { Self::default().cell } else { self.cell.clamp(CELLS.0, CELLS.1) }
     }
 
     /// A vertex is a point where |f| is at most this many local supports. Reaches 1e-12; NaN counts as 0.

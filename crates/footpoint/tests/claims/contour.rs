@@ -88,6 +88,8 @@ fn a_circle_is_one_closed_polyline_nearer_to_the_curve_the_narrower_the_cells() 
         assert!(longest <= 1.5 * cell, "{longest}");
         errors.push(short);
     }
+    let vertices = |cell: f64| surface.contour(&Contour::new().with_cell(cell)).polylines[0].points.len();
+    assert_eq!([vertices(f64::NAN), vertices(f64::INFINITY)], [vertices(0.125), vertices(0.5)]);
     assert!(errors.windows(2).all(|pair| pair[1] < 0.35 * pair[0]), "{errors:?}");
 }
 
