@@ -365,10 +365,10 @@ impl FigureArguments {
     /// The figures in the plane show built-in curves: an option of the surface would change nothing.
     fn check(&self, recipe: &Recipe) -> Result<(), String> {
         match self.which {
-            Which::One(number) if number != 3 && *recipe != Recipe::default() => Err(format!(
-                "figure {number} shows a built-in surface; options of the surface are for figure 3"
-            )),
-            _ => Ok(()),
+            Which::One(3) => Ok(()),
+            _ if *recipe == Recipe::default() => Ok(()),
+            _ => Err("the figures show built-in surfaces; options of the surface are for figure 3 alone"
+                .to_owned()),
         }
     }
 }

@@ -50,6 +50,7 @@ fn what_cannot_be_drawn_is_refused() {
         ("figure 1", "--output"),
         ("figure 1 cloud.xy -o out", "takes no file"),
         ("figure 2 -o out --weight poly4", "options of the surface are for figure 3"),
+        ("figure all -o out --radius 0.1", "options of the surface are for figure 3"),
         ("figure 1 -o file", "cannot make this folder"),
     ] {
         let ran = folder.run(words);
