@@ -6,8 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use common::Common;
 use footpoint_jobs::scan::ScanPlan;
 use footpoint_jobs::{
-    Bending, DegreeAim, DemoPlan, Extra, NonOrientable, NormalChoice, NormalSource, Operator, OrientBy,
-    OrientPlan, Recipe, Support,
+    Bending, DegreeAim, DemoPlan, Extra, FigurePlan, NonOrientable, NormalChoice, NormalSource, Operator,
+    OrientBy, OrientPlan, Recipe, Support, Which,
 };
 use std::path::PathBuf;
 
@@ -40,6 +40,8 @@ pub(crate) enum Verb {
     Orient(OrientArguments),
     /// Take points to the surface
     Project(ProjectArguments),
+    /// Draw the figures of the paper: the surface as f = 0, its normals, the steps of projections
+    Figure(FigureArguments),
 }
 
 impl Verb {
@@ -49,6 +51,7 @@ impl Verb {
         match self {
             Self::Demo(a) => a.adjust(&mut recipe),
             Self::Project(a) => a.adjust(&mut recipe)?,
+            Self::Figure(a) => a.check(&recipe)?,
             Self::Normals(_) | Self::Orient(_) => {
                 recipe.choose_degree = recipe.choose_degree.map(|_| DegreeAim::Normal);
             }
@@ -65,6 +68,7 @@ impl Verb {
             Self::Normals(a) => &a.common,
             Self::Orient(a) => &a.common,
             Self::Project(a) => &a.common,
+            Self::Figure(a) => &a.common,
         }
     }
 }
@@ -337,6 +341,45 @@ enum OperatorName {
     Orthogonal,
     /// Levin's own, to compare with: the plane that fits best, then --levin-degree over it; slow
     Levin,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct FigureArguments {
+    /// Number of the figure, 1 to 6, or `all`
+    #[arg(value_name = "WHICH", value_parser = which)]
+    which: Which,
+    /// Cloud for figure 3 [default: a built-in one]
+    input: Option<PathBuf>,
+    /// Folder for figure-1.svg, figure-2.svg …
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    #[command(flatten)]
+    common: Common,
+}
+
+impl FigureArguments {
+    pub(crate) fn plan(&self) -> FigurePlan {
+        FigurePlan { which: self.which, folder: self.output.clone(), input: self.input.clone() }
+    }
+
+    /// The figures in the plane show built-in curves: an option of the surface would change nothing.
+    fn check(&self, recipe: &Recipe) -> Result<(), String> {
+        match self.which {
+            Which::One(3) => Ok(()),
+            _ if *recipe == Recipe::default() => Ok(()),
+            _ => Err("the figures show built-in surfaces; options of the surface are for figure 3 alone"
+                .to_owned()),
+        }
+    }
+}
+
+/// `all`, or the number of a figure.
+fn which(text: &str) -> Result<Which, String> {
+    match text.parse() {
+        _ if text == "all" => Ok(Which::All),
+        Ok(number @ 1..=6) => Ok(Which::One(number)),
+        _ => Err("it must be 1, 2, 3, 4, 5, 6 or `all`".to_owned()),
+    }
 }
 
 /// A number above zero.

@@ -56,6 +56,7 @@ fn work(verb: &Verb, context: Context<'_>) -> Result<Report, JobError> {
         Verb::Normals(a) => jobs::normals(&a.input, &a.output, (a.choice(), a.bending()), &context),
         Verb::Orient(a) => jobs::orient(&a.input, &a.output, &a.plan(), &context),
         Verb::Project(a) => jobs::project(&a.input, a.onto.as_deref(), &a.output, &context),
+        Verb::Figure(a) => jobs::figure(&a.plan(), &context),
     }
 }
 

@@ -9,6 +9,7 @@
 mod clock;
 mod demo;
 mod evaluate;
+mod figure;
 mod info;
 mod load;
 mod normals;
@@ -21,6 +22,7 @@ pub mod scan;
 pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
 pub use evaluate::{Extra, evaluate};
+pub use figure::{FigurePlan, Which, figure};
 pub use info::{InfoReport, NormalsReport, info};
 pub use normals::{Bending, NormalChoice, normals};
 pub use orient::{OrientBy, OrientPlan, OrientationReport, orient};
@@ -148,6 +150,20 @@ pub enum JobError {
         /// What the system says.
         problem: std::io::Error,
     },
+    /// A figure cannot be drawn.
+    #[error("figure {number}: {problem}")]
+    Figure {
+        /// Its number in the paper.
+        number: u8,
+        /// What stands against it.
+        problem: footpoint_render::figure::FigureError,
+    },
+    /// The figure in space is not there yet.
+    #[error("figure 3 cannot be drawn yet: the figures are 1, 2, 4, 5 and 6")]
+    NoTriptych,
+    /// A file where no figure takes one.
+    #[error("figure {0} shows built-in samples and takes no file; figure 3 does")]
+    NoInput(u8),
     /// A scan that cannot be simulated.
     #[error(transparent)]
     Plan(#[from] scan::PlanError),

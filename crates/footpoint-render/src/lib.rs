@@ -2,3 +2,5 @@
 
 // No panic on data and nothing on standard output by accident; tests may.
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+pub mod figure;

@@ -21,7 +21,7 @@
 //! A tour: [`Cloud`] holds the samples with optional normals, supports and factors; [`Definition`] says which surface
 //! they define ([`Weight`], [`Support`], [`NormalField`], [`Acceptance`]); [`Surface`] answers questions:
 //! [`Surface::evaluate`] gives f, ∇f and what belongs to them, [`Surface::project`] takes points to the surface,
-//! [`Surface::orient`] gives normals signs that agree. Every answer has a [`Status`]. [`Run`] says how to run: threads, progress, cancelling.
+//! [`Surface::orient`] gives normals signs that agree, [`Surface::contour`] gives a curve of the plane as polylines. Every answer has a [`Status`]. [`Run`] says how to run: threads, progress, cancelling.
 
 // No panic on data and nothing on standard output by accident; tests may.
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
@@ -29,6 +29,7 @@
 mod algebra;
 mod cloud;
 mod columns;
+mod contour;
 mod curvature;
 mod definition;
 mod degree;
@@ -63,6 +64,7 @@ mod weight;
 mod written;
 
 pub use cloud::{Cloud, CloudError};
+pub use contour::{Contour, Contours, Polyline};
 pub use definition::{Acceptance, Definition, DefinitionError, Error, Kind};
 pub use degree::{DegreeAim, DegreeChoice, DegreeEvidence};
 pub use evaluate::{Curvatures, Evaluations, Want};

@@ -143,6 +143,14 @@ impl<const D: usize> Surface<D> {
         order.iter().step_by(stride).map(|&row| self.cloud.points()[row as usize]).collect()
     }
 
+    /// The samples that take part, each with its support radius.
+    pub(crate) fn samples_with_supports(&self) -> Vec<([f64; D], f64)> {
+        let grid = &self.grid;
+        let radius = |place: usize| grid.scales.get(place).map_or(self.support.median, |s| s * grid.unit);
+        let sample = |(place, &row): (usize, &u32)| (self.cloud.points()[row as usize], radius(place));
+        grid.original().iter().enumerate().map(sample).collect()
+    }
+
     /// The definition.
     pub fn definition(&self) -> &Definition {
         &self.definition

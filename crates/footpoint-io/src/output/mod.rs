@@ -1,4 +1,4 @@
-//! Writing a table: checks before the work, a partial file during it, one rename at the end.
+//! Writing a file, a table as a rule: checks before the work, a partial file during it, one rename at the end.
 
 mod number;
 mod ply;
@@ -106,6 +106,14 @@ pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<(), WriteErro
     })
 }
 
+/// [`check_writable`] for a file that is no table: any extension will do.
+pub fn check_file_writable(path: &Path, overwrite: Overwrite) -> Result<(), WriteError> {
+    at(path, || {
+        check_place(path, overwrite)?;
+        partial(path).map(drop)
+    })
+}
+
 /// Checks that the format of `path` can hold `table`: columns of one length, names of their own, no text
 /// columns in PLY, no line breaks in text.
 pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
@@ -122,24 +130,38 @@ pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), W
     at(path, || {
         let target = Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?;
         check_columns(target, table)?;
-        check_place(path, options.overwrite)?;
-        let mut file = partial(path)?;
-        fill(file.as_file_mut(), target, table, options.ply).map_err(WriteProblem::Io)?;
-        let kept = match options.overwrite {
-            Overwrite::Replace => file.persist(path),
-            // Someone may have written the file since the check. Some file systems have no such step;
-            // there a second look must do, as the work would be lost otherwise.
-            Overwrite::Refuse => file.persist_noclobber(path).or_else(|error| match path.exists() {
-                true => Err(error),
-                false => error.file.persist(path),
-            }),
-        };
-        match kept {
-            Ok(_) => Ok(()),
-            Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Err(WriteProblem::Exists),
-            Err(error) => Err(WriteProblem::Io(error.error)),
-        }
+        put(path, options.overwrite, |file| fill(file, target, table, options.ply))
     })
+}
+
+/// Writes a file that is no table, a picture say, in the way of [`write()`]: whole or not at all.
+pub fn write_file(path: &Path, content: &[u8], overwrite: Overwrite) -> Result<(), WriteError> {
+    at(path, || put(path, overwrite, |file| file.write_all(content)))
+}
+
+/// Fills a partial file beside `path`, which becomes `path` in one step.
+fn put(
+    path: &Path,
+    overwrite: Overwrite,
+    fill: impl FnOnce(&mut std::fs::File) -> io::Result<()>,
+) -> Result<(), WriteProblem> {
+    check_place(path, overwrite)?;
+    let mut file = partial(path)?;
+    fill(file.as_file_mut()).map_err(WriteProblem::Io)?;
+    let kept = match overwrite {
+        Overwrite::Replace => file.persist(path),
+        // Someone may have written the file since the check. Some file systems have no such step;
+        // there a second look must do, as the work would be lost otherwise.
+        Overwrite::Refuse => file.persist_noclobber(path).or_else(|error| match path.exists() {
+            true => Err(error),
+            false => error.file.persist(path),
+        }),
+    };
+    match kept {
+        Ok(_) => Ok(()),
+        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Err(WriteProblem::Exists),
+        Err(error) => Err(WriteProblem::Io(error.error)),
+    }
 }
 
 fn at(path: &Path, work: impl FnOnce() -> Result<(), WriteProblem>) -> Result<(), WriteError> {
