@@ -94,7 +94,8 @@ struct Known<const D: usize> {
     /// No accepted zero is nearer than this, because the average is far.
     free: f64,
     is_zero: bool,
-    /// Whether a zero here could be accepted, as far as the average goes: else the frame may have turned.
+    /// Whether gap and average are such that a zero could be accepted; else the frame may have turned. So is the outside, where
+    /// there is none.
     is_sound: bool,
     support: f64,
     gap: f64,
@@ -112,7 +113,7 @@ impl<const D: usize> Known<D> {
             slope: f64::NAN,
             free,
             is_zero: false,
-            is_sound: false,
+            is_sound: true,
             support,
             gap,
             normal,
@@ -135,7 +136,7 @@ impl<const D: usize> Known<D> {
 
     /// How far f keeps its sign, seen toward larger ways (`side` 1) or smaller ones (−1); behind a zero, its new sign.
     fn steady(&self, side: f64, bend: f64) -> f64 {
-        if !self.is_sound {
+        if !self.is_sound || !self.has_value() {
             return 0.0;
         }
         let bend = bend / (self.support * self.gap.clamp(0.1, 1.0));
