@@ -33,6 +33,7 @@ mod columns;
 mod curvature;
 mod definition;
 mod degree;
+mod domain;
 mod dual;
 mod eigen;
 mod engine;

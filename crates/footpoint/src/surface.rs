@@ -2,12 +2,14 @@
 
 use crate::cloud::{Cloud, CloudError};
 use crate::definition::{Definition, DefinitionError, Error};
+use crate::domain::Domain;
 use crate::field::NormalField;
 use crate::grid::{Grid, cell_side};
 use crate::lane::Precision;
 use crate::noise::{Noise, NoiseError};
 use crate::run::{Cancelled, Run};
 use crate::support::{Support, SupportChoice, SupportError, SupportSummary, choose};
+use std::sync::OnceLock;
 
 /// The surface that a cloud defines: the zero set of f(x) = n(x)·(x − a(x)) (eqs. 2 and 3).
 ///
@@ -19,6 +21,8 @@ pub struct Surface<const D: usize> {
     pub(crate) cloud: Cloud<D>,
     pub(crate) definition: Definition,
     pub(crate) grid: Grid<D>,
+    /// Made when the first ray asks.
+    domain: OnceLock<Domain<D>>,
     support: SupportSummary,
     support_choice: Option<SupportChoice>,
     sign: Sign,
@@ -77,7 +81,7 @@ impl<const D: usize> Surface<D> {
         if grid.len() == 0 {
             return Err(SupportError::NoSample(cloud.len()).into());
         }
-        Ok(Self { cloud, definition, grid, support, support_choice, sign })
+        Ok(Self { cloud, definition, grid, domain: OnceLock::new(), support, support_choice, sign })
     }
 
     /// The same calls with threads, progress and cancelling.
@@ -117,6 +121,18 @@ impl<const D: usize> Surface<D> {
             Ok(surface) => Ok(Some(surface)),
             Err(Error::Cancelled(cancelled)) => Err(cancelled),
             Err(_) => Ok(None),
+        }
+    }
+
+    /// Where rays may come near samples.
+    pub(crate) fn domain(&self, run: &Run<'_>) -> &Domain<D> {
+        // Not made inside the lock: a thread that waits for the pool may be given work that asks for it too.
+        match self.domain.get() {
+            Some(domain) => domain,
+            None => {
+                let made = Domain::new(&self.grid, self.definition.domain_ratio(), run);
+                self.domain.get_or_init(|| made)
+            }
         }
     }
 

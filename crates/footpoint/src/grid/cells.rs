@@ -145,14 +145,16 @@ impl<const D: usize> Stretch<'_, D> {
         self.begins[0] as usize..self.begins[self.begins.len() - 1] as usize
     }
 
+    /// Each cell and its samples.
+    pub(super) fn indexed(&self) -> impl Iterator<Item = ([i64; D], Range<usize>)> {
+        self.along.iter().zip(self.begins.windows(2)).map(|(&along, ends)| {
+            let cell = std::array::from_fn(|k| [along, self.row[1], self.row[0]][k]);
+            (cell, ends[0] as usize..ends[1] as usize)
+        })
+    }
+
     /// Each cell's lower corner and samples.
     pub(crate) fn cells(&self) -> impl Iterator<Item = ([f64; D], Range<usize>)> {
-        self.along.iter().zip(self.begins.windows(2)).map(|(&along, ends)| {
-            let corner = std::array::from_fn(|k| {
-                let cell = [along, self.row[1], self.row[0]][k];
-                cell as f64 * self.side
-            });
-            (corner, ends[0] as usize..ends[1] as usize)
-        })
+        self.indexed().map(|(cell, samples)| (cell.map(|c| c as f64 * self.side), samples))
     }
 }

@@ -74,6 +74,17 @@ struct Level<const D: usize> {
     cells: Cells<D>,
 }
 
+/// The cells of one level, each with those of its 4^D voxels that hold samples.
+#[derive(Debug)]
+pub(crate) struct Occupied<const D: usize> {
+    /// Side of the cells, in units of the grid: between one and two reaches.
+    pub(crate) side: f64,
+    /// Largest radius of a support.
+    pub(crate) reach: f64,
+    /// Row by row.
+    pub(crate) cells: Vec<([i64; D], u64)>,
+}
+
 /// Whether a grid of this precision tells positions here apart within a support. NaN is not.
 fn is_held<const D: usize>(point: [f64; D], precision: Precision) -> bool {
     let largest = match precision {
@@ -163,6 +174,32 @@ impl<const D: usize> Grid<D> {
     /// Which sample of the cloud each one is.
     pub(crate) fn original(&self) -> &[u32] {
         &self.original
+    }
+
+    /// The voxels that hold samples, level by level.
+    pub(crate) fn occupied(&self) -> impl Iterator<Item = Occupied<D>> {
+        self.levels.iter().map(|level| {
+            let mut cells = Vec::new();
+            level.cells.visit([i64::MIN; D], [i64::MAX; D], level.side, |stretch| {
+                for (cell, samples) in stretch.indexed() {
+                    let mut voxels = 0;
+                    for place in samples {
+                        let mut bit = 0;
+                        for k in (0..D).rev() {
+                            let along = match &self.store {
+                                Store::Double(columns) => columns[k][place] - cell[k] as f64 * level.side,
+                                Store::Single(columns) => f64::from(columns[k][place]),
+                            };
+                            let voxel = (along * (4.0 / level.side)) as u64;
+                            bit = 4 * bit + voxel.min(3);
+                        }
+                        voxels |= 1 << bit;
+                    }
+                    cells.push((cell, voxels));
+                }
+            });
+            Occupied { side: level.side, reach: level.reach, cells }
+        })
     }
 
     /// Calls `visit` with stretches of cells, in canonical order, that contain every sample whose support meets the

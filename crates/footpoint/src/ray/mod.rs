@@ -1,8 +1,9 @@
 //! Rays and where they meet the surface (SPEC §§ 8, 9).
 
-use crate::algebra::{add_scaled, dot, length, scale};
-use crate::evaluate::Want;
-use crate::queries::Queries;
+mod march;
+mod waves;
+
+use crate::algebra::{dot, scale};
 use crate::run::{Cancelled, Run};
 use crate::status::Status;
 use crate::surface::{Running, Surface};
@@ -68,6 +69,14 @@ impl Cast {
         self
     }
 
+    /// What |f| is compared with: nobody asks where a hit of any kind is.
+    fn effective_tolerance(&self) -> f64 {
+        match self.sought {
+            Sought::First => self.tolerance,
+            Sought::Any => self.tolerance.max(1e-3),
+        }
+    }
+
     /// Seeks hits between these t; a NaN bounds nothing.
     pub fn with_range(mut self, range: Range<f64>) -> Self {
         self.from = if range.start.is_nan() { f64::NEG_INFINITY } else { range.start };
@@ -118,79 +127,77 @@ impl<const D: usize> Surface<D> {
         // A run without a flag is never cancelled.
         self.with(&run).cast(rays, how).unwrap_or_default()
     }
+
+    /// All zeros along rays that belong to the surface; which hit the definition of `how` seeks does not matter.
+    pub fn cast_all(&self, rays: &[Ray<D>], how: &Cast) -> AllHits<D> {
+        let run = Run::new();
+        self.with(&run).cast_all(rays, how).unwrap_or_default()
+    }
 }
 
 impl<const D: usize> Running<'_, D> {
     /// [`Surface::cast`].
     pub fn cast(&self, rays: &[Ray<D>], how: &Cast) -> Result<Hits<D>, Cancelled> {
-        let surface = self.surface;
-        let h = surface.support().median;
-        let one = Run::new().threads(1);
-        let want = Want::VALUE | Want::FRAME_NORMAL | Want::GRADIENT | Want::SURFACE_NORMAL;
-        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-        for p in surface.cloud().points() {
-            for k in 0..D {
-                low[k] = low[k].min(p[k] - h);
-                high[k] = high[k].max(p[k] + h);
-            }
+        let mut found = waves::cast(self, rays, (how, waves::Stop::AtFirst))?;
+        let mut hits = Hits::nowhere(rays.len());
+        hits.evaluations = found.evaluations;
+        hits.status = found.status;
+        for hit in found.hits.drain(..) {
+            hits.put(hit.ray as usize, &rays[hit.ray as usize], &hit);
         }
-        let mut found = Hits::default();
-        for ray in rays {
-            self.run.check()?;
-            let (mut near, mut far) = (how.from, how.to);
-            for k in 0..D {
-                let (a, b) = ((low[k] - ray.origin[k]) / ray.direction[k], (high[k] - ray.origin[k]) / ray.direction[k]);
-                near = near.max(a.min(b));
-                far = far.min(a.max(b));
-            }
-            let step = 0.1 * h / length(ray.direction);
-            let count = if far > near { ((far - near) / step).ceil() as usize } else { 0 };
-            let at = |t: f64| add_scaled(ray.origin, ray.direction, t);
-            let points: Vec<[f64; D]> = (0..count).map(|i| at(near + i as f64 * step)).collect();
-            let all = surface.with(&one).evaluate(Queries::Points(&points), want)?;
-            let mut hit = None;
-            for i in 1..count {
-                if !(all.status[i - 1].is_ok() && all.status[i].is_ok()) {
-                    continue;
-                }
-                let along = dot(all.frame_normal[i - 1], all.frame_normal[i]);
-                if all.value[i - 1] * all.value[i] * along > 0.0 {
-                    continue;
-                }
-                let (mut a, mut b) = (near + (i - 1) as f64 * step, near + i as f64 * step);
-                for _ in 0..40 {
-                    let middle = surface.with(&one).evaluate(Queries::Points(&[at(0.5 * (a + b))]), want)?;
-                    let along = dot(all.frame_normal[i - 1], middle.frame_normal[0]);
-                    if all.value[i - 1] * middle.value[0] * along > 0.0 { a = 0.5 * (a + b) } else { b = 0.5 * (a + b) }
-                }
-                let last = surface.with(&one).evaluate(Queries::Points(&[at(a)]), want)?;
-                if dot(last.frame_normal[0], last.gradient[0]) > 0.3 {
-                    hit = Some((a, last));
-                    break;
-                }
-            }
-            match hit {
-                Some((t, here)) => {
-                    found.t.push(t);
-                    found.point.push(at(t));
-                    let normal = here.surface_normal[0];
-                    let sign = if dot(normal, ray.direction) > 0.0 { -1.0 } else { 1.0 };
-                    found.surface_normal.push(scale(normal, sign));
-                    found.frame_normal.push(here.frame_normal[0]);
-                    found.gradient.push(here.gradient[0]);
-                    found.status.push(Status::Ok);
-                }
-                None => {
-                    found.t.push(f64::NAN);
-                    found.point.push([f64::NAN; D]);
-                    found.surface_normal.push([f64::NAN; D]);
-                    found.frame_normal.push([f64::NAN; D]);
-                    found.gradient.push([f64::NAN; D]);
-                    found.status.push(Status::Outside);
-                }
-            }
-            found.evaluations.push(count as u32);
+        Ok(hits)
+    }
+
+    /// [`Surface::cast_all`].
+    pub fn cast_all(&self, rays: &[Ray<D>], how: &Cast) -> Result<AllHits<D>, Cancelled> {
+        let first = Cast { sought: Sought::First, ..*how };
+        let found = waves::cast(self, rays, (&first, waves::Stop::AtEnd))?;
+        let mut all = AllHits { hits: Hits::nowhere(found.hits.len()), begins: vec![0; rays.len() + 1] };
+        for (row, hit) in found.hits.iter().enumerate() {
+            let ray = hit.ray as usize;
+            all.hits.put(row, &rays[ray], hit);
+            all.hits.evaluations[row] = found.evaluations[ray];
+            all.begins[ray + 1] = row + 1;
         }
-        Ok(found)
+        for ray in 0..rays.len() {
+            all.begins[ray + 1] = all.begins[ray + 1].max(all.begins[ray]);
+        }
+        Ok(all)
+    }
+}
+
+/// A hit, lengths in the unit of the samples.
+#[derive(Clone, Copy, Debug)]
+struct Hit<const D: usize> {
+    ray: u32,
+    t: f64,
+    point: [f64; D],
+    surface_normal: [f64; D],
+    frame_normal: [f64; D],
+    gradient: [f64; D],
+}
+
+impl<const D: usize> Hits<D> {
+    fn nowhere(rows: usize) -> Self {
+        let vectors = || vec![[f64::NAN; D]; rows];
+        Self {
+            t: vec![f64::NAN; rows],
+            point: vectors(),
+            surface_normal: vectors(),
+            frame_normal: vectors(),
+            gradient: vectors(),
+            evaluations: vec![0; rows],
+            status: vec![Status::Outside; rows],
+        }
+    }
+
+    fn put(&mut self, row: usize, ray: &Ray<D>, hit: &Hit<D>) {
+        let away = dot(hit.surface_normal, ray.direction) > 0.0;
+        self.t[row] = hit.t;
+        self.point[row] = hit.point;
+        self.surface_normal[row] = scale(hit.surface_normal, if away { -1.0 } else { 1.0 });
+        self.frame_normal[row] = hit.frame_normal;
+        self.gradient[row] = hit.gradient;
+        self.status[row] = Status::Ok;
     }
 }

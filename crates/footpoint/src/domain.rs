@@ -1,0 +1,408 @@
+//! The domain B along rays: which stretches of a ray may lie within reach of samples.
+//!
+//! Every level of the index has a pyramid of its own. Its lowest storey are bricks of 4^D voxels, one for each cell of the
+//! index within reach of samples; a bit says whether a voxel may be within reach. Every storey above joins 4^D nodes of the
+//! one below, down to a handful: a ray passes over empty space in few steps, however large the cloud and its outliers are.
+
+use crate::algebra::add_scaled;
+use crate::grid::{Grid, Occupied};
+use crate::run::Run;
+use std::cmp::Ordering;
+use std::ops::ControlFlow;
+
+/// Voxels along a brick's side, and nodes along the side of the next higher one.
+const WIDTH: i64 = 4;
+/// Where marching begins, if samples come as near as this share of their reach: the frame is well determined there, and f is
+/// still far from zero.
+const CORE: f64 = 0.55;
+/// Marching begins at most so many reaches after entering.
+const LATEST_BEGIN: f64 = 0.5;
+/// Stretches are cut after so many reaches: most rays hit before.
+const LONGEST_STRETCH: f64 = 8.0;
+
+/// Where balls around samples may be.
+#[derive(Debug)]
+pub(crate) struct Domain<const D: usize> {
+    pyramids: Vec<Pyramid<D>>,
+}
+
+/// A stretch of a ray, by ways from its origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stretch {
+    pub(crate) begin: f64,
+    /// Where to look first.
+    pub(crate) first: f64,
+    pub(crate) end: f64,
+    /// Whether it begins outside all balls; else at the end of what is already known.
+    pub(crate) enters: bool,
+    /// Whether it ends outside all balls; else more may follow.
+    pub(crate) exits: bool,
+    /// The shortest reach of the balls around here.
+    pub(crate) reach: f64,
+}
+
+/// A line in units of the grid, its direction of length one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line<const D: usize> {
+    pub(crate) origin: [f64; D],
+    pub(crate) direction: [f64; D],
+}
+
+impl<const D: usize> Line<D> {
+    pub(crate) fn at(&self, way: f64) -> [f64; D] {
+        add_scaled(self.origin, self.direction, way)
+    }
+}
+
+impl<const D: usize> Domain<D> {
+    /// `ratio`: radius of the domain's balls as a share of the support's.
+    pub(crate) fn new(grid: &Grid<D>, ratio: f64, run: &Run<'_>) -> Self {
+        Self { pyramids: grid.occupied().map(|level| Pyramid::new(&level, ratio, run)).collect() }
+    }
+
+    /// The first stretch between two ways.
+    pub(crate) fn stretch(&self, line: &Line<D>, (from, to): (f64, f64)) -> Option<Stretch> {
+        let several = self.pyramids.len() > 1;
+        let runs = self.pyramids.iter().filter_map(|p| p.run(line, (from, to)).map(|run| (run, p.reach)));
+        if !several {
+            let (run, reach) = { runs }.next()?;
+            return Some(run.stretch(reach, (from, to)));
+        }
+        let mut found: Option<Stretch> = None;
+        let mut runs: Vec<_> = runs.collect();
+        runs.sort_unstable_by(|a, b| a.0.begin.total_cmp(&b.0.begin));
+        for (run, reach) in runs {
+            let next = Stretch { exits: false, ..run.stretch(reach, (from, to)) };
+            match &mut found {
+                None => found = Some(next),
+                Some(found) if next.begin <= found.end => {
+                    found.end = found.end.max(next.end);
+                    found.first = found.first.min(next.first);
+                    found.reach = found.reach.min(next.reach);
+                }
+                Some(_) => {}
+            }
+        }
+        found
+    }
+}
+
+/// Consecutive voxels that are marked.
+#[derive(Clone, Copy, Debug)]
+struct Marked {
+    begin: f64,
+    core: f64,
+    end: f64,
+    /// Whether more may follow at once.
+    cut: bool,
+}
+
+impl Marked {
+    fn stretch(&self, reach: f64, (from, to): (f64, f64)) -> Stretch {
+        let Self { begin, core, end, cut } = *self;
+        let enters = begin > from;
+        let first =
+            if enters { core.min(begin + LATEST_BEGIN * reach).min(0.5 * (begin + end)) } else { begin };
+        Stretch { begin, first, end, enters, exits: !cut && end < to, reach }
+    }
+}
+
+/// Voxels of one level of the index.
+#[derive(Debug)]
+struct Pyramid<const D: usize> {
+    reach: f64,
+    voxel: f64,
+    bricks: Vec<Brick>,
+    /// Storeys above the bricks, lowest first.
+    storeys: Vec<Vec<Node>>,
+    /// Places of the highest nodes.
+    tops: Vec<[i64; D]>,
+}
+
+/// Which of its voxels may be within reach of a sample, and which are well within.
+#[derive(Clone, Copy, Debug)]
+struct Brick {
+    near: u64,
+    core: u64,
+}
+
+/// Which of the nodes below are there, and the first of them.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    mask: u64,
+    first: u32,
+}
+
+impl<const D: usize> Pyramid<D> {
+    fn new(level: &Occupied<D>, ratio: f64, run: &Run<'_>) -> Self {
+        let voxel = level.side / WIDTH as f64;
+        let reach = level.reach * ratio;
+        let mut marked = dilated(level, reach / voxel, run);
+        run.sort(&mut marked, |a, b| compare(a.0, b.0));
+        let bricks = marked.iter().map(|entry| entry.1).collect();
+        let mut tops: Vec<[i64; D]> = marked.into_iter().map(|entry| entry.0).collect();
+        let mut storeys = Vec::new();
+        while tops.len() > 1 << D {
+            let mut nodes: Vec<Node> = Vec::new();
+            let mut above: Vec<[i64; D]> = Vec::new();
+            for (i, cell) in tops.iter().enumerate() {
+                let parent = cell.map(|c| c.div_euclid(WIDTH));
+                if above.last() != Some(&parent) {
+                    above.push(parent);
+                    nodes.push(Node { mask: 0, first: i as u32 });
+                }
+                if let Some(node) = nodes.last_mut() {
+                    node.mask |= 1 << bit(cell.map(|c| c.rem_euclid(WIDTH)));
+                }
+            }
+            storeys.push(nodes);
+            tops = above;
+        }
+        Self { reach, voxel, bricks, storeys, tops }
+    }
+
+    /// The first run of marked voxels, not longer than need be.
+    fn run(&self, line: &Line<D>, (from, to): (f64, f64)) -> Option<Marked> {
+        let inverse = 1.0 / self.voxel;
+        let walk = Walk {
+            pyramid: self,
+            origin: line.origin.map(|c| c * inverse),
+            direction: line.direction.map(|c| c * inverse),
+            pace: line.direction.map(|c| if c == 0.0 { f64::INFINITY } else { self.voxel / c }),
+        };
+        let size = (WIDTH as f64).powi(self.storeys.len() as i32 + 1);
+        let mut entries: Vec<(f64, f64, usize)> = Vec::new();
+        for (i, top) in self.tops.iter().enumerate() {
+            let (mut enter, mut leave) = (from, to);
+            for k in 0..D {
+                let low = top[k] as f64 * size - walk.origin[k];
+                if line.direction[k] == 0.0 {
+                    if low > 0.0 || low + size < 0.0 {
+                        enter = f64::INFINITY;
+                    }
+                    continue;
+                }
+                let (a, b) = (low * walk.pace[k], (low + size) * walk.pace[k]);
+                enter = enter.max(a.min(b));
+                leave = leave.min(a.max(b));
+            }
+            if enter <= leave {
+                entries.push((enter, leave, i));
+            }
+        }
+        entries.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut found: Option<Marked> = None;
+        let longest = LONGEST_STRETCH * self.reach;
+        let mut visit = |enter: f64, leave: f64, core: bool| {
+            // Neighbours share a face up to rounding.
+            let found = match &mut found {
+                None => found.insert(Marked { begin: enter, core: f64::INFINITY, end: leave, cut: false }),
+                Some(run) if enter > run.end + 1e-9 * self.voxel => return ControlFlow::Break(()),
+                Some(run) => run,
+            };
+            found.end = leave;
+            if core && found.core == f64::INFINITY {
+                found.core = enter;
+            }
+            found.cut = found.end - found.begin >= longest;
+            if found.cut { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        for (enter, leave, i) in entries {
+            let node = (self.storeys.len(), i);
+            if walk.through(node, self.tops[i], (enter, leave), &mut visit).is_break() {
+                break;
+            }
+        }
+        found
+    }
+}
+
+/// A ray through a pyramid, in units of voxels.
+struct Walk<'p, const D: usize> {
+    pyramid: &'p Pyramid<D>,
+    origin: [f64; D],
+    direction: [f64; D],
+    /// Way from voxel to voxel along each axis.
+    pace: [f64; D],
+}
+
+impl<const D: usize> Walk<'_, D> {
+    /// Visits the marked voxels of a node in the order of the ray, each with where the ray enters and leaves it.
+    fn through(
+        &self,
+        (storey, index): (usize, usize),
+        place: [i64; D],
+        (mut enter, leave): (f64, f64),
+        visit: &mut impl FnMut(f64, f64, bool) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let size = (1_i64 << (2 * storey.min(31))) as f64;
+        let (mask, core, first) = match storey {
+            0 => (self.pyramid.bricks[index].near, self.pyramid.bricks[index].core, 0),
+            _ => {
+                let node = self.pyramid.storeys[storey - 1][index];
+                (node.mask, 0, node.first as usize)
+            }
+        };
+        let mut child = [0_i64; D];
+        let mut next = [f64::INFINITY; D];
+        for k in 0..D {
+            let low = place[k] as f64 * size * WIDTH as f64;
+            let along = (self.origin[k] + enter * self.direction[k] - low) / size;
+            child[k] = (along.max(0.0) as i64).min(WIDTH - 1);
+            if self.direction[k] != 0.0 {
+                let face = child[k] + i64::from(self.direction[k] > 0.0);
+                next[k] = (low + face as f64 * size - self.origin[k]) * self.pace[k];
+            }
+        }
+        loop {
+            let axis = (1..D).fold(0, |best, k| if next[k] < next[best] { k } else { best });
+            let out = next[axis].min(leave);
+            let here = 1_u64 << bit(child);
+            if mask & here != 0 && out >= enter {
+                if storey == 0 {
+                    visit(enter, out, core & here != 0)?;
+                } else {
+                    let below = first + (mask & (here - 1)).count_ones() as usize;
+                    let place = std::array::from_fn(|k| place[k] * WIDTH + child[k]);
+                    self.through((storey - 1, below), place, (enter, out), visit)?;
+                }
+            }
+            if next[axis] >= leave {
+                return ControlFlow::Continue(());
+            }
+            enter = next[axis].max(enter);
+            child[axis] += if self.direction[axis] > 0.0 { 1 } else { -1 };
+            if !(0..WIDTH).contains(&child[axis]) {
+                return ControlFlow::Continue(());
+            }
+            next[axis] += self.pace[axis].abs() * size;
+        }
+    }
+}
+
+/// Place of a child among the 4^D of its node.
+fn bit<const D: usize>(child: [i64; D]) -> u32 {
+    child.iter().rev().fold(0, |bit, &c| bit * WIDTH as u32 + c as u32)
+}
+
+/// The order in which the children of every node, on every storey, stand together.
+fn compare<const D: usize>(a: [i64; D], b: [i64; D]) -> Ordering {
+    let differing = (0..D).fold(0, |all, k| all | (a[k] ^ b[k]));
+    if differing < 0 {
+        // Across zero: storeys never join the sides.
+        return bit_of_signs(a).cmp(&bit_of_signs(b));
+    }
+    let shift = if differing == 0 { 0 } else { (63 - differing.leading_zeros()) & !1 };
+    let digits = |x: [i64; D]| bit(x.map(|c| (c >> shift) & (WIDTH - 1)));
+    digits(a).cmp(&digits(b))
+}
+
+fn bit_of_signs<const D: usize>(x: [i64; D]) -> u32 {
+    bit(x.map(|c| i64::from(c >= 0)))
+}
+
+/// Voxels near an occupied one: masks for the 3^D cells around, for each voxel of the middle one.
+struct Stencil {
+    around: Vec<u64>,
+    cells: usize,
+}
+
+impl Stencil {
+    /// Marks all voxels of which some point is within `reach` voxel sides of some point of the occupied one.
+    fn new<const D: usize>(reach: f64) -> Self {
+        let cells = 3_usize.pow(D as u32);
+        let voxels = 1_usize << (2 * D);
+        let mut around = vec![0; voxels * cells];
+        // More than any rounding of a ray's way.
+        let squared = (reach * (1.0 + 1e-6)).powi(2);
+        for voxel in 0..voxels {
+            let from: [i64; D] = std::array::from_fn(|k| (voxel >> (2 * k)) as i64 & (WIDTH - 1));
+            for cell in 0..cells {
+                let shift = shift_of::<D>(cell);
+                for other in 0..voxels {
+                    let gap = |k: usize| {
+                        let to = shift[k] * WIDTH + ((other >> (2 * k)) as i64 & (WIDTH - 1));
+                        ((to - from[k]).abs() - 1).max(0) as f64
+                    };
+                    if (0..D).map(|k| gap(k) * gap(k)).sum::<f64>() <= squared {
+                        around[voxel * cells + cell] |= 1 << other;
+                    }
+                }
+            }
+        }
+        Self { around, cells }
+    }
+
+    /// What the occupied voxels of a cell mark in the cell at this place around it.
+    fn spread(&self, mut occupied: u64, cell: usize) -> u64 {
+        let mut marked = 0;
+        while occupied != 0 {
+            let voxel = occupied.trailing_zeros() as usize;
+            marked |= self.around[voxel * self.cells + cell];
+            occupied &= occupied - 1;
+        }
+        marked
+    }
+}
+
+/// Which way the cell at this place of the 3^D lies.
+fn shift_of<const D: usize>(place: usize) -> [i64; D] {
+    std::array::from_fn(|k| (place / 3_usize.pow(k as u32) % 3) as i64 - 1)
+}
+
+/// The bricks with marked voxels: those of cells around occupied ones. `reach` is in voxels, at most four.
+fn dilated<const D: usize>(level: &Occupied<D>, reach: f64, run: &Run<'_>) -> Vec<([i64; D], Brick)> {
+    let near = Stencil::new::<D>(reach);
+    let core = Stencil::new::<D>((CORE * reach - 0.5).max(0.0));
+    // Rows along the first axis, in order.
+    let mut rows: Vec<([i64; D], usize, usize)> = Vec::new();
+    for (i, (cell, _)) in level.cells.iter().enumerate() {
+        let mut row = *cell;
+        row[0] = 0;
+        match rows.last_mut() {
+            Some(last) if last.0 == row => last.2 = i + 1,
+            _ => rows.push((row, i, i + 1)),
+        }
+    }
+    let slow = |row: &[i64; D], to: &[i64; D]| row.iter().rev().cmp(to.iter().rev());
+    let across = 3_usize.pow(D as u32 - 1);
+    let mut targets: Vec<[i64; D]> = Vec::with_capacity(rows.len() * across);
+    for place in 0..across {
+        let shift = shift_of::<D>(3 * place);
+        targets.extend(
+            rows.iter().map(|row| std::array::from_fn(|k| if k == 0 { 0 } else { row.0[k] + shift[k] })),
+        );
+    }
+    targets.sort_unstable_by(slow);
+    targets.dedup();
+    let bricks_of = |target: [i64; D]| -> Vec<([i64; D], Brick)> {
+        let mut found: Vec<(i64, Brick)> = Vec::new();
+        for place in 0..across {
+            let shift = shift_of::<D>(3 * place);
+            let source: [i64; D] = std::array::from_fn(|k| if k == 0 { 0 } else { target[k] - shift[k] });
+            let Ok(row) = rows.binary_search_by(|row| slow(&row.0, &source)) else { continue };
+            for &(cell, occupied) in &level.cells[rows[row].1..rows[row].2] {
+                for along in 0..3 {
+                    let around = 3 * place + along;
+                    let brick =
+                        Brick { near: near.spread(occupied, around), core: core.spread(occupied, around) };
+                    if brick.near != 0 {
+                        found.push((cell[0] + along as i64 - 1, brick));
+                    }
+                }
+            }
+        }
+        found.sort_unstable_by_key(|entry| entry.0);
+        let join = |part: &[(i64, Brick)]| {
+            let mut cell = target;
+            cell[0] = part[0].0;
+            let all = |brick: Brick, &(_, other): &(i64, Brick)| Brick {
+                near: brick.near | other.near,
+                core: brick.core | other.core,
+            };
+            (cell, part.iter().fold(Brick { near: 0, core: 0 }, all))
+        };
+        found.chunk_by(|a, b| a.0 == b.0).map(join).collect()
+    };
+    run.collect(targets.len(), |i| bricks_of(targets[i])).into_iter().flatten().collect()
+}
