@@ -1,6 +1,7 @@
 //! Arguments of the command line, and what they mean to the jobs.
 
 mod common;
+mod render;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use common::Common;
@@ -9,6 +10,7 @@ use footpoint_jobs::{
     Bending, DegreeAim, DemoPlan, Extra, NonOrientable, NormalChoice, NormalSource, Operator, OrientBy,
     OrientPlan, Recipe, Support,
 };
+use render::RenderArguments;
 use std::path::PathBuf;
 
 /// Computes with the smooth surface that a point cloud describes.
@@ -40,6 +42,8 @@ pub(crate) enum Verb {
     Orient(OrientArguments),
     /// Take points to the surface
     Project(ProjectArguments),
+    /// Draw the surface: one picture, light or colours for numbers
+    Render(RenderArguments),
 }
 
 impl Verb {
@@ -65,6 +69,7 @@ impl Verb {
             Self::Normals(a) => &a.common,
             Self::Orient(a) => &a.common,
             Self::Project(a) => &a.common,
+            Self::Render(a) => &a.common,
         }
     }
 }

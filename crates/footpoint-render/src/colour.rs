@@ -8,8 +8,8 @@ pub(crate) type Colour = [f32; 3];
 /// What has no number: none of the maps has it.
 pub(crate) const NO_NUMBER: Colour = [0.62, 0.02, 0.55];
 
-/// sRGB to linear light.
-pub(crate) fn to_linear(v: f32) -> f32 {
+/// A share of a colour from sRGB to linear light, both from 0 to 1.
+pub fn to_linear(v: f32) -> f32 {
     if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }
 
