@@ -30,7 +30,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 1 more points than --strict allows
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Simulate a laser scan, compute its normals and projection, compare with the truth
+    /// Simulate a laser scan, compute its normals and projection, compare with the truth, draw it
     Demo(DemoArguments),
     /// Describe a file: counts, bounds, repeats, spacing, normals, and the support that fits it
     Info(InfoArguments),
@@ -76,7 +76,7 @@ impl Verb {
 
 #[derive(Debug, Args)]
 pub(crate) struct DemoArguments {
-    /// Folder for scan.ply, normals.ply and projected.ply
+    /// Folder for scan.ply, normals.ply, projected.ply, picture.png and triptych.png
     #[arg(short, long, value_name = "DIR", default_value = "footpoint-demo")]
     output: PathBuf,
     /// Standard deviation of the simulated ranges, in metres
@@ -85,6 +85,9 @@ pub(crate) struct DemoArguments {
     /// Rays that each of the stations casts
     #[arg(long, value_name = "COUNT", default_value_t = ScanPlan::default().rays)]
     rays: u32,
+    /// Width of picture.png in pixels; 0 draws nothing
+    #[arg(long, value_name = "PIXELS", default_value_t = 800, value_parser = clap::value_parser!(u16).range(0..=20_000))]
+    picture_width: u16,
     /// Seed of the simulated noise
     #[arg(long, value_name = "NUMBER", default_value_t = ScanPlan::default().seed)]
     seed: u64,
@@ -96,7 +99,7 @@ impl DemoArguments {
     pub(crate) fn plan(&self) -> DemoPlan {
         let scan =
             ScanPlan { noise: self.range_noise, rays: self.rays, seed: self.seed, ..ScanPlan::default() };
-        DemoPlan { folder: self.output.clone(), scan }
+        DemoPlan { folder: self.output.clone(), scan, picture_width: self.picture_width.into() }
     }
 
     /// The scan's density varies tenfold, so unless told otherwise each sample gets its own support.

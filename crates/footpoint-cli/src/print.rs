@@ -145,7 +145,11 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
     }
     let t = &report.times;
     write!(out, "seconds: read {:.2}, index {:.2}", t.read.wall_seconds, t.index.wall_seconds)?;
-    write!(out, ", compute {:.2}, write {:.2}", t.compute.wall_seconds, t.write.wall_seconds)?;
+    write!(out, ", compute {:.2}", t.compute.wall_seconds)?;
+    if t.draw.wall_seconds > 0.0 {
+        write!(out, ", draw {:.2}", t.draw.wall_seconds)?;
+    }
+    write!(out, ", write {:.2}", t.write.wall_seconds)?;
     if report.points_per_second > 0.0 {
         let what = if report.render.is_some() { "rays" } else { "points" };
         write!(out, "; {:.0} {what} a second", report.points_per_second)?;

@@ -157,7 +157,9 @@ pub enum JobError {
     #[error(transparent)]
     Plan(#[from] scan::PlanError),
     /// A curve where a surface is needed.
-    #[error("{0}: its points have 2 coordinates, which make a curve: `footpoint figure` draws curves, this needs 3")]
+    #[error(
+        "{0}: its points have 2 coordinates, which make a curve: `footpoint figure` draws curves, this needs 3"
+    )]
     OnlyPlane(String),
     /// A name that is not a picture's.
     #[error("{0}: pictures are written as PNG; end the name in .png")]

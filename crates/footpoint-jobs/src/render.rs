@@ -4,11 +4,11 @@ use crate::clock::timed;
 use crate::load::Loaded;
 use crate::report::Report;
 use crate::{Context, JobError};
-use footpoint::Surface;
+use footpoint::{Run, Surface};
 use footpoint_io::{Data, check_file, write_file};
 use footpoint_render::{
-    Background, Camera, Extent, Keep, Occlusion, Picture, Plan, Relief, Shading, Wish, linear, render as draw,
-    view_size, write_depth, write_image, write_mask, write_normals,
+    Background, Camera, Extent, Keep, Occlusion, Picture, Plan, Relief, Shading, Wish, linear,
+    render as draw, view_size, write_depth, write_image, write_mask, write_normals,
 };
 use serde::Serialize;
 use std::fs::File;
@@ -102,7 +102,7 @@ pub struct RenderReport {
     pub rays: usize,
     /// Rays that met the surface.
     pub hits: usize,
-    /// Rays over the wall seconds of `compute`, shading included.
+    /// Rays over the wall seconds of `draw`, shading included.
     pub rays_per_second: f64,
     /// The numbers at the ends of the colours.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -164,13 +164,13 @@ pub fn render(
         Show::Normal => (Shading::Normal, "normal", ""),
         Show::Depth => (Shading::Depth, "depth", "depth"),
     };
-    let (camera, picture) = timed(&mut report.times.compute, || {
-        drawn(&surface, plan, (shading, title), context).map_err(|error| loaded.render_error(error))
+    let (camera, picture) = timed(&mut report.times.draw, || {
+        drawn(&surface, plan, (shading, title), &context.run).map_err(|error| loaded.render_error(error))
     })?;
     if picture.hits == 0 {
         return Err(JobError::NothingHit(input.display().to_string()));
     }
-    let seconds = report.times.compute.wall_seconds;
+    let seconds = report.times.draw.wall_seconds;
     report.points = picture.rays;
     report.points_per_second = if seconds > 0.0 { picture.rays as f64 / seconds } else { 0.0 };
     report.render = Some(RenderReport {
@@ -190,11 +190,11 @@ pub fn render(
 }
 
 /// The camera and the picture.
-fn drawn(
+pub(crate) fn drawn(
     surface: &Surface<3>,
     plan: &RenderPlan,
     (shading, title): (Shading<'_>, &str),
-    context: &Context<'_>,
+    run: &Run<'_>,
 ) -> Result<(Camera, Picture), footpoint_render::RenderError> {
     let extent = Extent::new(surface);
     let [width, height] = view_size(plan.size, &shading);
@@ -213,7 +213,7 @@ fn drawn(
         title: title.to_owned(),
         planes: if wants_planes { Keep::Yes } else { Keep::No },
     };
-    Ok((camera, draw(surface, &drawing, &context.run)?))
+    Ok((camera, draw(surface, &drawing, run)?))
 }
 
 fn write_all(
@@ -257,9 +257,7 @@ pub(crate) fn put(
 /// Fails, before any work is done, where no picture could be put at `path`.
 pub(crate) fn check_picture(path: &Path, context: &Context<'_>) -> Result<(), JobError> {
     match path.extension() {
-        Some(extension) if extension.eq_ignore_ascii_case("png") => {
-            Ok(check_file(path, context.overwrite)?)
-        }
+        Some(extension) if extension.eq_ignore_ascii_case("png") => Ok(check_file(path, context.overwrite)?),
         _ => Err(JobError::NotPng(path.display().to_string())),
     }
 }
@@ -278,7 +276,8 @@ fn picture_name(input: &Path) -> PathBuf {
 /// one is above 1.
 fn colours(loaded: &Loaded) -> Result<Vec<[f64; 3]>, JobError> {
     let table = &loaded.input.table;
-    let families = [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+    let families =
+        [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
     let has = |name: &&str| table.column(name).is_some();
     let family = families.into_iter().find(|family| family.iter().all(has)).unwrap_or(families[0]);
     let mut columns = Vec::new();

@@ -53,7 +53,7 @@ pub struct Report {
     pub demo: Option<DemoReport>,
     /// Time by stage.
     pub times: Times,
-    /// Points over the wall seconds of `compute`.
+    /// Points over the wall seconds of `compute`; rays over those of `draw`.
     pub points_per_second: f64,
 }
 

@@ -6,8 +6,8 @@ use crate::render::{RenderReport, check_picture, put};
 use crate::report::Report;
 use crate::scan::{ScanPlan, Vessel, scan};
 use crate::{Context, JobError};
-use footpoint::{Cloud, Support, Surface};
-use footpoint_render::{RenderError, Triptych, Wish, triptych as draw, write_image};
+use footpoint::{Cloud, Support};
+use footpoint_render::{Wish, triptych as draw, write_image};
 use std::path::Path;
 
 /// Pixels of each of the three pictures, and rays along each side of a pixel.
@@ -39,12 +39,12 @@ pub fn triptych(input: Option<&Path>, output: &Path, context: &Context<'_>) -> R
             (surface_of_cloud(Cloud::new(made.points), &name, &context, &mut report)?, name)
         }
     };
-    let drawn = timed(&mut report.times.compute, || three(&surface, PANEL, context))
+    let drawn = timed(&mut report.times.draw, || draw(&surface, &Wish::default(), PANEL, &context.run))
         .map_err(|problem| JobError::of_render(&name, problem))?;
     if drawn.hits == 0 {
         return Err(JobError::NothingHit(name));
     }
-    let seconds = report.times.compute.wall_seconds;
+    let seconds = report.times.draw.wall_seconds;
     report.points = drawn.rays;
     report.points_per_second = if seconds > 0.0 { drawn.rays as f64 / seconds } else { 0.0 };
     report.render = Some(RenderReport {
@@ -61,13 +61,4 @@ pub fn triptych(input: Option<&Path>, output: &Path, context: &Context<'_>) -> R
     });
     put(&mut report, output, context, &|out| write_image(&drawn.image, out))?;
     Ok(report)
-}
-
-/// The three pictures from the automatic view.
-pub(crate) fn three(
-    surface: &Surface<3>,
-    panel: ([usize; 2], usize),
-    context: &Context<'_>,
-) -> Result<Triptych, RenderError> {
-    draw(surface, &Wish::default(), panel, &context.run)
 }

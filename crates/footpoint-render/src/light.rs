@@ -9,12 +9,12 @@ pub(crate) const PLASTER: Colour = [0.74, 0.72, 0.68];
 
 /// Directions along the camera's axes, right, up and back.
 const KEY: Vector = [-0.62, 0.66, 0.42];
-const FILL: Vector = [0.85, -0.1, 0.5];
+const FILL: Vector = [0.9, -0.25, 0.25];
 /// Shares of the lights; those that are met full on by one normal together give about 1.
-const KEY_LIGHT: f64 = 0.72;
-const FILL_LIGHT: f64 = 0.16;
-const HEAD_LIGHT: f64 = 0.16;
-const SKY_LIGHT: f64 = 0.13;
+const KEY_LIGHT: f64 = 0.80;
+const FILL_LIGHT: f64 = 0.32;
+const HEAD_LIGHT: f64 = 0.08;
+const SKY_LIGHT: f64 = 0.12;
 /// Highlights of the key light.
 const GLOSS: f64 = 0.10;
 const SHARPNESS: i32 = 24;

@@ -1,7 +1,7 @@
 //! Ambient occlusion: which share of the sky a point of the surface sees.
 
-use crate::shading::Seen;
 use crate::picture::MOST_RAYS;
+use crate::shading::Seen;
 use crate::vector::{add_scaled, scale, tangents};
 use footpoint::{Cancelled, Cast, Ray, Running, Sought};
 use std::f64::consts::TAU;

@@ -138,7 +138,8 @@ pub fn render(surface: &Surface<3>, plan: &Plan<'_>, run: &Run<'_>) -> Result<Pi
         None => easel.range()?,
     };
     let colours = plan.shading.colours(range);
-    let painter = Painter { lights: Lights::new(easel.view.axes()), colours: colours.as_ref(), relief: plan.relief };
+    let painter =
+        Painter { lights: Lights::new(easel.view.axes()), colours: colours.as_ref(), relief: plan.relief };
 
     let mut image = Image::new(plan.size[0], plan.size[1], plan.background);
     let mut planes = (plan.planes == Keep::Yes).then(|| {
@@ -247,9 +248,8 @@ impl Easel<'_> {
         let rays: Vec<Ray<3>> = tile
             .pixels()
             .flat_map(|[x, y]| {
-                (0..samples).map(move |k| {
-                    self.view.ray(x as f64 + place(k % across), y as f64 + place(k / across))
-                })
+                (0..samples)
+                    .map(move |k| self.view.ray(x as f64 + place(k % across), y as f64 + place(k / across)))
             })
             .collect();
         let number = (tile.from[1] * tile.width + tile.from[0]) * samples;
@@ -300,7 +300,8 @@ impl Easel<'_> {
         let [columns, rows] = [width, height].map(|side| ((side as f64 / coarse) as usize).max(1));
         let rays: Vec<Ray<3>> = (0..columns * rows)
             .map(|i| {
-                let place = |k: usize, count: usize, side: usize| (k as f64 + 0.5) / count as f64 * side as f64;
+                let place =
+                    |k: usize, count: usize, side: usize| (k as f64 + 0.5) / count as f64 * side as f64;
                 self.view.ray(place(i % columns, columns, width), place(i / columns, rows, height))
             })
             .collect();

@@ -78,7 +78,8 @@ pub(crate) fn caption(image: &mut Image, text: &str, top: f64, ink: Colour) {
 
 /// Fills a rectangle whose corners are in pixels, edges blended.
 fn rectangle(image: &mut Image, low: [f64; 2], high: [f64; 2], ink: Colour) {
-    let cover = |low: f64, high: f64, i: usize| (high.min(i as f64 + 1.0) - low.max(i as f64)).clamp(0.0, 1.0);
+    let cover =
+        |low: f64, high: f64, i: usize| (high.min(i as f64 + 1.0) - low.max(i as f64)).clamp(0.0, 1.0);
     let to = [image.width(), image.height()];
     let range = |k: usize| low[k].max(0.0) as usize..(high[k].max(0.0).ceil() as usize).min(to[k]);
     for y in range(1) {

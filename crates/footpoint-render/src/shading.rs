@@ -79,14 +79,14 @@ impl Shading<'_> {
     ) -> Result<Vec<f64>, Cancelled> {
         let points = || seen.iter().map(|s| s.point).collect::<Vec<_>>();
         Ok(match self {
-            Self::Difference => seen
-                .iter()
-                .map(|s| dot(s.frame, s.gradient) / dot(s.gradient, s.gradient).sqrt())
-                .collect(),
+            Self::Difference => {
+                seen.iter().map(|s| dot(s.frame, s.gradient) / dot(s.gradient, s.gradient).sqrt()).collect()
+            }
             Self::Depth => seen.iter().map(|s| s.depth).collect(),
             Self::Curvature => {
                 let points = points();
-                let bent = surface.with(run).evaluate(Queries::Points(&points), Want::CURVATURE)?.curvature.mean;
+                let bent =
+                    surface.with(run).evaluate(Queries::Points(&points), Want::CURVATURE)?.curvature.mean;
                 let outward = |s: &Seen| match surface.sign() {
                     Sign::Given => 1.0,
                     Sign::Arbitrary => 1.0_f64.copysign(dot(s.gradient, s.to_eye)),
@@ -160,9 +160,7 @@ impl Shading<'_> {
                     }
                     light(own.map(|c| c.clamp(0.0, 1.0) as f32), s.normal)
                 }
-                (Self::Normal, _) => {
-                    s.normal.map(|c| to_linear((0.5 + 0.5 * c).clamp(0.0, 1.0) as f32))
-                }
+                (Self::Normal, _) => s.normal.map(|c| to_linear((0.5 + 0.5 * c).clamp(0.0, 1.0) as f32)),
                 (_, Some(colours)) => {
                     let colour = colours.of(found.numbers[i]);
                     match painter.relief {

@@ -56,7 +56,8 @@ pub fn triptych(
             title: title.to_owned(),
             planes: Keep::No,
         };
-        let progress = |p: Progress| run.announce(Progress { done: i * p.total + p.done, total: 3 * p.total });
+        let progress =
+            |p: Progress| run.announce(Progress { done: i * p.total + p.done, total: 3 * p.total });
         let picture = render(surface, &plan, &run.silent().progress(&progress))?;
         image.put(&picture.image, i * panel[0], 0);
         if picture.range.is_none() {

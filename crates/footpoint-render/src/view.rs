@@ -150,7 +150,12 @@ impl Extent {
         let axes = Axes::new(back, up);
         let ratio = width as f64 / height as f64;
         let fov = wish.fov_degrees;
-        let sight = Camera { from: add_scaled(at, unit(back), 1.0), at, up, projection: Projection::Perspective { fov_degrees: fov } };
+        let sight = Camera {
+            from: add_scaled(at, unit(back), 1.0),
+            at,
+            up,
+            projection: Projection::Perspective { fov_degrees: fov },
+        };
         sight.check()?;
         let slope = FILLED * (0.5 * fov).to_radians().tan();
         // Distance from `at` at which every sample is inside the picture.
@@ -179,6 +184,8 @@ impl Extent {
         };
         let far = if wish.parallel { 2.0 * self.size } else { distance(at).max(1e-3 * self.size) };
         let from = wish.from.unwrap_or(add_scaled(at, unit(back), far));
+        // No zero keeps a sign, which would be written.
+        let up = up.map(|c| c + 0.0);
         let camera = Camera { from, at, up, projection };
         camera.check()?;
         Ok(camera)
@@ -244,7 +251,8 @@ impl Extent {
 
     /// How many samples are seen from a direction, in a coarse raster.
     fn seen(&self, way: Vector) -> f64 {
-        let axes = Axes::new(way, if way[2].abs() > 0.9 * length(way) { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] });
+        let axes =
+            Axes::new(way, if way[2].abs() > 0.9 * length(way) { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] });
         let cell = |v: f64| ((v / self.size + 0.5) * RASTER as f64).clamp(0.0, (RASTER - 1) as f64) as usize;
         let place = |p: &Vector| {
             let [x, y, z] = axes.of(sub(*p, self.middle));

@@ -36,7 +36,9 @@ impl<const D: usize> Running<'_, D> {
             }
             for sample in found {
                 let row = grid.original()[sample.place] as usize;
-                let Some(value) = values.get(row).filter(|v| v.iter().all(|c| c.is_finite())) else { continue };
+                let Some(value) = values.get(row).filter(|v| v.iter().all(|c| c.is_finite())) else {
+                    continue;
+                };
                 let h = sample.reach / reach;
                 let squared: f64 = (0..D).map(|k| (sample.point[k] - at[k]).powi(2)).sum();
                 let closeness = squared / (h * h);

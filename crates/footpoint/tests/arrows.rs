@@ -53,7 +53,8 @@ const ROOMS: [&str; 35] = [
 ];
 
 /// Questions see the surface and its evaluator, never the engine or the index.
-const QUESTIONS: [&str; 8] = ["evaluate", "average", "project", "ray", "contour", "degree", "uncertainty", "orient"];
+const QUESTIONS: [&str; 8] =
+    ["evaluate", "average", "project", "ray", "contour", "degree", "uncertainty", "orient"];
 const INTERNALS: [&str; 2] = ["engine", "grid"];
 
 const LONGEST_FILE: usize = 600;
