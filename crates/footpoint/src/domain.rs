@@ -164,14 +164,20 @@ impl<const D: usize> Pyramid<D> {
     /// The first run of marked voxels, not longer than need be.
     fn run(&self, line: &Line<D>, (from, to): (f64, f64)) -> Option<Marked> {
         let inverse = 1.0 / self.voxel;
-        let walk = Walk {
+        let pace = line.direction.map(|c| if c == 0.0 { f64::INFINITY } else { self.voxel / c });
+        let mut walk = Walk {
             pyramid: self,
             origin: line.origin.map(|c| c * inverse),
             direction: line.direction.map(|c| c * inverse),
-            pace: line.direction.map(|c| if c == 0.0 { f64::INFINITY } else { self.voxel / c }),
+            pace,
+            forward: line.direction.map(|c| c > 0.0),
+            longest: LONGEST_STRETCH * self.reach,
+            slack: 1e-9 * self.voxel,
+            found: None,
         };
         let size = (WIDTH as f64).powi(self.storeys.len() as i32 + 1);
-        let mut entries: Vec<(f64, f64, usize)> = Vec::new();
+        let mut entries = [(f64::INFINITY, 0.0, 0); 8];
+        let mut count = 0;
         for (i, top) in self.tops.iter().enumerate() {
             let (mut enter, mut leave) = (from, to);
             for k in 0..D {
@@ -182,60 +188,51 @@ impl<const D: usize> Pyramid<D> {
                     }
                     continue;
                 }
-                let (a, b) = (low * walk.pace[k], (low + size) * walk.pace[k]);
+                let (a, b) = (low * pace[k], (low + size) * pace[k]);
                 enter = enter.max(a.min(b));
                 leave = leave.min(a.max(b));
             }
-            if enter <= leave {
-                entries.push((enter, leave, i));
+            if enter <= leave && enter < f64::INFINITY {
+                entries[count] = (enter, leave, i);
+                count += 1;
             }
         }
+        let entries = &mut entries[..count];
         entries.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let mut found: Option<Marked> = None;
-        let longest = LONGEST_STRETCH * self.reach;
-        let mut visit = |enter: f64, leave: f64, core: bool| {
-            // Neighbours share a face up to rounding.
-            let found = match &mut found {
-                None => found.insert(Marked { begin: enter, core: f64::INFINITY, end: leave, cut: false }),
-                Some(run) if enter > run.end + 1e-9 * self.voxel => return ControlFlow::Break(()),
-                Some(run) => run,
-            };
-            found.end = leave;
-            if core && found.core == f64::INFINITY {
-                found.core = enter;
-            }
-            found.cut = found.end - found.begin >= longest;
-            if found.cut { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        for (enter, leave, i) in entries {
-            let node = (self.storeys.len(), i);
-            if walk.through(node, self.tops[i], (enter, leave), &mut visit).is_break() {
+        for &mut (enter, leave, i) in entries {
+            let corner = self.tops[i].map(|c| c as f64 * size);
+            if walk.through((self.storeys.len(), i), (corner, size), (enter, leave)).is_break() {
                 break;
             }
         }
-        found
+        walk.found
     }
 }
 
-/// A ray through a pyramid, in units of voxels.
+/// A ray through a pyramid, in units of voxels, and what it has found.
 struct Walk<'p, const D: usize> {
     pyramid: &'p Pyramid<D>,
     origin: [f64; D],
     direction: [f64; D],
     /// Way from voxel to voxel along each axis.
     pace: [f64; D],
+    forward: [bool; D],
+    longest: f64,
+    /// Neighbours share a face up to this rounding.
+    slack: f64,
+    found: Option<Marked>,
 }
 
 impl<const D: usize> Walk<'_, D> {
-    /// Visits the marked voxels of a node in the order of the ray, each with where the ray enters and leaves it.
+    /// Through the marked voxels of a node in the order of the ray, until the run has ended. `corner` and `size` are the
+    /// node's, `enter` and `leave` the ways at which the ray crosses its faces.
     fn through(
-        &self,
+        &mut self,
         (storey, index): (usize, usize),
-        place: [i64; D],
+        (corner, size): ([f64; D], f64),
         (mut enter, leave): (f64, f64),
-        visit: &mut impl FnMut(f64, f64, bool) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let size = (1_i64 << (2 * storey.min(31))) as f64;
+        let part = size / WIDTH as f64;
         let (mask, core, first) = match storey {
             0 => (self.pyramid.bricks[index].near, self.pyramid.bricks[index].core, 0),
             _ => {
@@ -243,40 +240,61 @@ impl<const D: usize> Walk<'_, D> {
                 (node.mask, 0, node.first as usize)
             }
         };
-        let mut child = [0_i64; D];
+        let inverse = 1.0 / part;
+        let mut child = [0_i32; D];
         let mut next = [f64::INFINITY; D];
         for k in 0..D {
-            let low = place[k] as f64 * size * WIDTH as f64;
-            let along = (self.origin[k] + enter * self.direction[k] - low) / size;
-            child[k] = (along.max(0.0) as i64).min(WIDTH - 1);
-            if self.direction[k] != 0.0 {
-                let face = child[k] + i64::from(self.direction[k] > 0.0);
-                next[k] = (low + face as f64 * size - self.origin[k]) * self.pace[k];
+            let along = (self.origin[k] + enter * self.direction[k] - corner[k]) * inverse;
+            child[k] = (along.max(0.0) as i32).min(WIDTH as i32 - 1);
+            if self.pace[k] != f64::INFINITY {
+                let face = child[k] + i32::from(self.forward[k]);
+                next[k] = (corner[k] + f64::from(face) * part - self.origin[k]) * self.pace[k];
             }
         }
         loop {
             let axis = (1..D).fold(0, |best, k| if next[k] < next[best] { k } else { best });
             let out = next[axis].min(leave);
-            let here = 1_u64 << bit(child);
-            if mask & here != 0 && out >= enter {
+            let bit = (0..D).fold(0, |bit, k| bit | child[k] << (2 * k));
+            let here = 1_u64 << bit;
+            if mask & here == 0 {
+                // Behind the run.
+                if self.found.is_some_and(|run| enter > run.end - self.slack && out > run.end + self.slack) {
+                    return ControlFlow::Break(());
+                }
+            } else if out >= enter {
                 if storey == 0 {
-                    visit(enter, out, core & here != 0)?;
+                    self.mark(enter, out, core & here != 0)?;
                 } else {
                     let below = first + (mask & (here - 1)).count_ones() as usize;
-                    let place = std::array::from_fn(|k| place[k] * WIDTH + child[k]);
-                    self.through((storey - 1, below), place, (enter, out), visit)?;
+                    let corner = std::array::from_fn(|k| corner[k] + f64::from(child[k]) * part);
+                    self.through((storey - 1, below), (corner, part), (enter, out))?;
                 }
             }
             if next[axis] >= leave {
                 return ControlFlow::Continue(());
             }
             enter = next[axis].max(enter);
-            child[axis] += if self.direction[axis] > 0.0 { 1 } else { -1 };
-            if !(0..WIDTH).contains(&child[axis]) {
+            child[axis] += if self.forward[axis] { 1 } else { -1 };
+            if !(0..WIDTH as i32).contains(&child[axis]) {
                 return ControlFlow::Continue(());
             }
-            next[axis] += self.pace[axis].abs() * size;
+            next[axis] += self.pace[axis].abs() * part;
         }
+    }
+
+    fn mark(&mut self, enter: f64, leave: f64, core: bool) -> ControlFlow<()> {
+        let slack = self.slack;
+        let run = match &mut self.found {
+            None => self.found.insert(Marked { begin: enter, core: f64::INFINITY, end: leave, cut: false }),
+            Some(run) if enter > run.end + slack => return ControlFlow::Break(()),
+            Some(run) => run,
+        };
+        run.end = leave;
+        if core && run.core == f64::INFINITY {
+            run.core = enter;
+        }
+        run.cut = run.end - run.begin >= self.longest;
+        if run.cut { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 

@@ -41,6 +41,9 @@ pub(super) struct Rules<'s, const D: usize> {
     tolerance: f64,
     /// b, and what the average may be off by where f is not its height.
     limit: f64,
+    /// h for a ball of radius one.
+    scale_of_reach: f64,
+    least_gap: f64,
     signed: bool,
     /// Brackets shorter than this many supports hold nothing that can be told apart.
     finest: f64,
@@ -58,6 +61,8 @@ impl<'s, const D: usize> Rules<'s, D> {
             surface,
             tolerance: how.effective_tolerance().max(least),
             limit: definition.boundary_limit::<D>() + if averaged { 0.0 } else { 0.2 },
+            scale_of_reach: 1.0 / definition.weight().reach(),
+            least_gap: definition.acceptance().gap,
             signed: definition.field() == NormalField::AveragedNormals,
             finest,
         }
@@ -74,24 +79,27 @@ struct Known<const D: usize> {
     /// No accepted zero is nearer than this, because the average is far.
     free: f64,
     is_zero: bool,
-    local: Local<D>,
+    support: f64,
+    gap: f64,
+    normal: [f64; D],
 }
 
 impl<const D: usize> Known<D> {
     fn outside(way: f64, reach: f64, rules: &Rules<'_, D>) -> Self {
-        let support = reach / rules.surface.definition().weight().reach();
+        let support = reach * rules.scale_of_reach;
         let free = ((reach - rules.limit * support) / PULL).max(0.0);
-        let local = Local { support, ..Local::NOWHERE };
-        Self { way, value: f64::NAN, slope: f64::NAN, free, is_zero: false, local }
+        let (gap, normal) = (f64::NAN, [f64::NAN; D]);
+        Self { way, value: f64::NAN, slope: f64::NAN, free, is_zero: false, support, gap, normal }
     }
 
-    fn new(way: f64, local: Local<D>, direction: [f64; D], rules: &Rules<'_, D>) -> Self {
-        let free = ((length(local.aside) - rules.limit * local.support) / PULL).max(0.0);
-        let known = local.status.is_ok() && local.gap >= rules.surface.definition().acceptance().gap;
+    fn new(way: f64, local: &Local<D>, direction: [f64; D], rules: &Rules<'_, D>) -> Self {
+        let Local { support, gap, normal, .. } = *local;
+        let free = ((length(local.aside) - rules.limit * support) / PULL).max(0.0);
+        let known = local.status.is_ok() && gap >= rules.least_gap;
         let only = |value: f64| if known { value } else { f64::NAN };
         let slope = only(dot(local.gradient, direction));
-        let is_zero = local.value.abs() <= rules.tolerance * local.support;
-        Self { way, value: only(local.value), slope, free, is_zero: known && is_zero, local }
+        let is_zero = known && local.value.abs() <= rules.tolerance * support;
+        Self { way, value: only(local.value), slope, free, is_zero, support, gap, normal }
     }
 
     fn has_value(&self) -> bool {
@@ -103,8 +111,7 @@ impl<const D: usize> Known<D> {
         if !self.has_value() {
             return 0.0;
         }
-        let h = self.local.support;
-        let bend = bend / (h * self.local.gap.clamp(0.1, 1.0));
+        let bend = bend / (self.support * self.gap.clamp(0.1, 1.0));
         if self.is_zero {
             return 2.0 * self.slope.abs() / bend;
         }
@@ -140,11 +147,15 @@ pub(super) struct March<const D: usize> {
     direction: [f64; D],
     stretch: Stretch,
     /// All before it is settled.
-    left: Option<Known<D>>,
+    left: Known<D>,
+    begun: bool,
     /// The point before that, with the same sign.
     before: Option<(f64, f64, f64)>,
     /// Points beyond, the nearest last.
     pending: Vec<Known<D>>,
+    /// What is known at the zeros among these, and at the last point.
+    zeros: Vec<(f64, Local<D>)>,
+    last: Local<D>,
     target: f64,
     tries: u32,
     /// Whether a zero at the very beginning counts.
@@ -161,14 +172,16 @@ impl<const D: usize> March<D> {
         (stretch, inclusive): (Stretch, bool),
         rules: &Rules<'_, D>,
     ) -> Self {
-        let left = stretch.enters.then(|| Known::outside(0.0, stretch.reach, rules));
         Self {
             anchor,
             direction,
             stretch,
-            left,
+            left: Known::outside(0.0, stretch.reach, rules),
+            begun: stretch.enters,
             before: None,
             pending: Vec::new(),
+            zeros: Vec::new(),
+            last: Local::NOWHERE,
             target: stretch.first,
             tries: 0,
             inclusive,
@@ -205,15 +218,21 @@ impl<const D: usize> March<D> {
         let known = if local.status == Status::Outside {
             Known::outside(self.target, self.stretch.reach, rules)
         } else {
-            Known::new(self.target, local, self.direction, rules)
+            Known::new(self.target, &local, self.direction, rules)
         };
-        if self.left.is_some() {
+        self.last = local;
+        if known.is_zero {
+            self.zeros.push((known.way, local));
+        }
+        if self.begun {
             self.pending.push(known);
         } else {
-            self.left = Some(known);
-            if known.is_zero && self.inclusive && self.passes(&known, rules) {
-                return Next::Hit(known.way, known.local);
+            self.begun = true;
+            self.left = known;
+            if known.is_zero && self.inclusive && self.passes(rules) {
+                return Next::Hit(known.way, local);
             }
+            self.zeros.clear();
         }
         self.proceed(rules)
     }
@@ -221,12 +240,12 @@ impl<const D: usize> March<D> {
     /// Goes on as far as what is known allows.
     pub(super) fn proceed(&mut self, rules: &Rules<'_, D>) -> Next<D> {
         loop {
-            let Some(left) = self.left else { return Next::Evaluate };
-            let Some(right) = self.pending.last().copied() else {
+            let left = &self.left;
+            let Some(right) = self.pending.last_mut() else {
                 if left.way >= self.stretch.end || self.is_spent() {
                     return Next::End;
                 }
-                self.target = left.way + self.step(&left);
+                self.target = left.way + self.step(left);
                 if self.target >= self.stretch.end {
                     self.target = self.stretch.end;
                     if self.stretch.exits {
@@ -237,8 +256,8 @@ impl<const D: usize> March<D> {
                 return self.evaluate();
             };
             let width = right.way - left.way;
-            let h = right.local.support.min(left.local.support);
-            match between(&left, &right, rules) {
+            let h = right.support.min(left.support);
+            match between(left, right, rules) {
                 Part::Clear => {}
                 Part::Bracket { value, slope } if width > rules.finest * h => {
                     let share = if left.is_zero || right.is_zero || self.tries % 3 == 2 {
@@ -253,8 +272,9 @@ impl<const D: usize> March<D> {
                 Part::Bracket { value, .. } => {
                     // As near as numbers allow; or a jump, where the frame turned over.
                     let converged = left.value.abs().max(value.abs()) <= 1e-4 * h;
-                    if let Some(right) = self.pending.last_mut().filter(|_| converged && !left.is_zero) {
+                    if converged && !left.is_zero && !right.is_zero {
                         right.is_zero = true;
+                        self.zeros.push((right.way, self.last));
                     }
                 }
                 Part::Unclear if width > SHORTEST * h => {
@@ -264,30 +284,31 @@ impl<const D: usize> March<D> {
                 Part::Unclear => {}
             }
             self.tries = 0;
-            let Some(right) = self.pending.pop() else { continue };
             let repeats = left.is_zero && width * right.slope.abs() <= 8.0 * rules.tolerance * h;
             self.before = (left.has_value() && right.has_value()).then(|| {
-                let sign = dot(left.local.normal, right.local.normal).signum();
+                let sign = dot(left.normal, right.normal).signum();
                 (left.way, sign * left.value, sign * left.slope)
             });
-            self.left = Some(right);
-            if right.is_zero && !repeats && self.passes(&right, rules) {
-                return Next::Hit(right.way, right.local);
+            self.left = *right;
+            self.pending.pop();
+            if self.left.is_zero {
+                let hit = !repeats && self.passes(rules);
+                if let Some((way, local)) = self.zeros.pop().filter(|_| hit) {
+                    return Next::Hit(way, local);
+                }
             }
         }
     }
 
     fn evaluate(&mut self) -> Next<D> {
-        if self.is_spent() {
-            return Next::End;
-        }
-        Next::Evaluate
+        if self.is_spent() { Next::End } else { Next::Evaluate }
     }
 
-    /// Whether a zero belongs to the surface; if not, the reason is kept.
-    fn passes(&mut self, zero: &Known<D>, rules: &Rules<'_, D>) -> bool {
-        let verdict = match zero.local.acceptance(rules.surface.definition()) {
-            Status::Ok if !zero.local.has_surface_normal() => Status::Singular,
+    /// Whether the nearest zero belongs to the surface; if not, the reason is kept.
+    fn passes(&mut self, rules: &Rules<'_, D>) -> bool {
+        let Some((_, zero)) = self.zeros.last() else { return false };
+        let verdict = match zero.acceptance(rules.surface.definition()) {
+            Status::Ok if !zero.has_surface_normal() => Status::Singular,
             verdict => verdict,
         };
         if !verdict.is_ok() {
@@ -298,7 +319,7 @@ impl<const D: usize> March<D> {
 
     /// How far ahead of a settled point to look.
     fn step(&self, left: &Known<D>) -> f64 {
-        let h = left.local.support;
+        let h = left.support;
         let longest = LONGEST * h;
         if left.has_value() && !left.is_zero {
             let newton = -left.value / left.slope;
@@ -320,7 +341,7 @@ fn between<const D: usize>(left: &Known<D>, right: &Known<D>, rules: &Rules<'_, 
     }
     let mut bend = BEND;
     if left.has_value() && right.has_value() {
-        let along = dot(left.local.normal, right.local.normal);
+        let along = dot(left.normal, right.normal);
         let agrees = if rules.signed { along } else { along.abs() } >= AGREEMENT;
         if !agrees {
             return Part::Unclear;
@@ -331,7 +352,7 @@ fn between<const D: usize>(left: &Known<D>, right: &Known<D>, rules: &Rules<'_, 
         if after_left * before_right < 0.0 {
             return Part::Bracket { value, slope };
         }
-        let h = right.local.support.min(left.local.support);
+        let h = right.support.min(left.support);
         bend = bend.max(1.5 * (slope - left.slope).abs() * h / width);
     }
     let (ahead, back) = (left.free.max(left.steady(1.0, bend)), right.free.max(right.steady(-1.0, bend)));
