@@ -10,15 +10,21 @@ use footpoint::{Cloud, Support};
 use footpoint_render::{Wish, triptych as draw, write_image};
 use std::path::Path;
 
-/// Pixels of each of the three pictures, and rays along each side of a pixel.
-const PANEL: ([usize; 2], usize) = ([800, 800], 2);
+/// Rays along each side of a pixel.
+const ACROSS: usize = 2;
 /// The built-in scan's density varies tenfold, so each sample gets its own support, wide enough to average its noise.
 const BUILT_IN: Support = Support::AutoPerSample { effective_neighbours: 24.0 };
 
-/// Draws the three pictures of `input`, or of the simulated scan of a vase, side by side into `output`, a PNG.
+/// Draws the three pictures of `input`, or of the simulated scan of a vase, side by side into `output`, a PNG of so many
+/// pixels in a row.
 ///
 /// The built-in scan has a support per sample unless the recipe's definition says otherwise. Fails as `render` does.
-pub fn triptych(input: Option<&Path>, output: &Path, context: &Context<'_>) -> Result<Report, JobError> {
+pub fn triptych(
+    input: Option<&Path>,
+    output: &Path,
+    width: usize,
+    context: &Context<'_>,
+) -> Result<Report, JobError> {
     check_picture(output, context)?;
     let mut report = Report::new("figure", context.recipe.clone());
     let (surface, name) = match input {
@@ -39,8 +45,10 @@ pub fn triptych(input: Option<&Path>, output: &Path, context: &Context<'_>) -> R
             (surface_of_cloud(Cloud::new(made.points), &name, &context, &mut report)?, name)
         }
     };
-    let drawn = timed(&mut report.times.draw, || draw(&surface, &Wish::default(), PANEL, &context.run))
-        .map_err(|problem| JobError::of_render(&name, problem))?;
+    let drawn = timed(&mut report.times.draw, || {
+        draw(&surface, &Wish::default(), ([width / 3; 2], ACROSS), &context.run)
+    })
+    .map_err(|problem| JobError::of_render(&name, problem))?;
     if drawn.hits == 0 {
         return Err(JobError::NothingHit(name));
     }
@@ -51,7 +59,7 @@ pub fn triptych(input: Option<&Path>, output: &Path, context: &Context<'_>) -> R
         shading: "triptych",
         width: drawn.image.width(),
         height: drawn.image.height(),
-        samples_per_pixel: PANEL.1 * PANEL.1,
+        samples_per_pixel: ACROSS * ACROSS,
         camera: drawn.camera,
         rays: drawn.rays,
         hits: drawn.hits,

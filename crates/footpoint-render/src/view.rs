@@ -75,6 +75,8 @@ const RASTER: usize = 64;
 const THICK: f64 = 0.05;
 /// A view must show this much more to be preferred.
 const BETTER: f64 = 1.1;
+/// Facing a direction by more than this is no chance.
+const CLEARLY: f64 = 0.1;
 /// Sine of the angle between up and the line of sight below which something else is up.
 const UPRIGHT: f64 = 0.2;
 
@@ -246,7 +248,7 @@ impl Extent {
         }
         let (way, seen) = (best.0, self.seen(best.0));
         let behind = scale(way, -1.0);
-        if BETTER * self.seen(behind) >= seen && self.faces(behind) > self.faces(way) { behind } else { way }
+        if BETTER * self.seen(behind) >= seen && self.faces(behind) > CLEARLY { behind } else { way }
     }
 
     /// How many samples are seen from a direction, in a coarse raster.
@@ -270,22 +272,25 @@ impl Extent {
         self.points.iter().filter(is_seen).count() as f64
     }
 
-    /// How much of the cloud faces a direction rather than its opposite.
+    /// How much the cloud faces a direction rather than its opposite, from −1 to 1; about 0 where it is closed: the mean of the
+    /// normals' components or, without normals, how height towards the eye goes with nearness to the axis (correlation).
     fn faces(&self, way: Vector) -> f64 {
         let way = unit(way);
-        if !self.normals.is_empty() {
-            return self.normals.iter().filter(|n| n[0].is_finite()).map(|n| dot(*n, way)).sum();
-        }
-        // Covariance of the height towards the eye with minus the squared distance from the axis.
         let count = self.points.len().max(1) as f64;
-        let (mut sum_z, mut sum_r, mut sum_rz) = (0.0, 0.0, 0.0);
+        if !self.normals.is_empty() {
+            let usable = self.normals.iter().filter(|n| n[0].is_finite());
+            return usable.map(|n| dot(*n, way)).sum::<f64>() / count;
+        }
+        let (mut z, mut r, mut zz, mut rr, mut rz) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for p in &self.points {
             let d = sub(*p, self.middle);
-            let z = dot(d, way);
-            let r = dot(d, d) - z * z;
-            (sum_z, sum_r, sum_rz) = (sum_z + z, sum_r + r, sum_rz + r * z);
+            let height = dot(d, way);
+            let aside = dot(d, d) - height * height;
+            (z, r) = (z + height, r + aside);
+            (zz, rr, rz) = (zz + height * height, rr + aside * aside, rz + aside * height);
         }
-        sum_z * sum_r / count - sum_rz
+        let covariance = z * r / count - rz;
+        covariance / ((zz - z * z / count) * (rr - r * r / count)).sqrt()
     }
 }
 
