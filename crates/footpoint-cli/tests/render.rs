@@ -60,8 +60,6 @@ fn every_option_matters() {
         "--background black",
         "--background #123456",
         "--background transparent",
-        "--occlusion",
-        "--occlusion 4",
         "--view front",
         "--view back",
         "--view left",
@@ -74,7 +72,6 @@ fn every_option_matters() {
         "--camera orthographic",
         "--camera orthographic --view-height 4",
         "--fov 60",
-        "--size 50x36",
         "--auto 60",
     ] {
         let (bytes, report) = drawn(&folder, options);
@@ -86,6 +83,19 @@ fn every_option_matters() {
     let (_, report) = drawn(&folder, "--to large.csv");
     let range = &report["render"]["range"];
     assert!((range[1].as_f64().unwrap() - 0.1).abs() < 0.03, "{range}");
+}
+
+#[test]
+fn occlusion_darkens_what_is_hollow() {
+    let folder = Folder::new();
+    let ring = footpoint::samples::torus(1.0, 0.4, 2000, 7);
+    folder.write("ring.csv", csv_of("x,y,z", ring.points.iter().map(|p| p.to_vec())));
+    let drawn = |options: &str| {
+        folder.report(&format!("render ring.csv -o out.png --force --size 48x36 {options}"));
+        folder.bytes("out.png")
+    };
+    let [none, default, few, sixteen] = ["", "--occlusion", "--occlusion 4", "--occlusion 16"].map(drawn);
+    assert!(none != default && default != few && default == sixteen);
 }
 
 #[test]
