@@ -123,14 +123,13 @@ fn ticks(low: f64, high: f64, step: f64) -> Vec<f64> {
 /// A number with the digits that its step needs.
 fn label(value: f64, step: f64, largest: f64) -> String {
     let digits = |unit: f64| (unit.log10() - step.log10()).ceil().clamp(0.0, 12.0) as usize;
-    let text = if value == 0.0 {
+    if value == 0.0 {
         "0".to_owned()
     } else if (1e-3..1e5).contains(&largest) {
         format!("{value:.*}", digits(1.0))
     } else {
         format!("{value:.*e}", digits(10.0_f64.powf(value.abs().log10().floor())))
-    };
-    text
+    }
 }
 
 #[cfg(test)]
