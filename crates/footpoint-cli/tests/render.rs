@@ -149,6 +149,7 @@ fn what_cannot_be_drawn_is_refused_and_nothing_is_written() {
         ("render ball.csv -o a.png --view-height 3", "orthographic"),
         ("render ball.csv -o a.png --shading depth --range 3,1", "below"),
         ("render ball.csv -o a.png --depth nowhere/d.png", "nowhere"),
+        ("render ball.csv -o a.png --depth a.png", "two pictures"),
     ] {
         let ran = folder.run(words);
         assert!(ran.code == 2 && ran.stderr.contains(expected), "{words}: {ran:?}");

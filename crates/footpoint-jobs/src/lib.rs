@@ -164,6 +164,9 @@ pub enum JobError {
     /// A name that is not a picture's.
     #[error("{0}: pictures are written as PNG; end the name in .png")]
     NotPng(String),
+    /// Two outputs of one name.
+    #[error("{0}: two pictures are to be written there; give each its own name")]
+    SameFile(String),
     /// A picture cannot be drawn.
     #[error("{path}: {problem}")]
     Render {

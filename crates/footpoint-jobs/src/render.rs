@@ -126,8 +126,12 @@ pub fn render(
 ) -> Result<Report, JobError> {
     let output = output.map_or_else(|| picture_name(input), Path::to_owned);
     let planes = [&plan.depth, &plan.normals, &plan.mask];
-    for file in [&output].into_iter().chain(planes.into_iter().flatten()) {
+    let files: Vec<&PathBuf> = [&output].into_iter().chain(planes.into_iter().flatten()).collect();
+    for (i, file) in files.iter().enumerate() {
         check_picture(file, context)?;
+        if files[..i].contains(file) {
+            return Err(JobError::SameFile(file.display().to_string()));
+        }
     }
     let mut report = Report::new("render", context.recipe.clone());
     let loaded = Loaded::read(input, &mut report.times)?;
