@@ -1,6 +1,7 @@
 //! Arguments of the command line, and what they mean to the jobs.
 
 mod common;
+mod render;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use common::Common;
@@ -9,6 +10,7 @@ use footpoint_jobs::{
     Bending, DegreeAim, DemoPlan, Extra, FigurePlan, NonOrientable, NormalChoice, NormalSource, Operator,
     OrientBy, OrientPlan, Recipe, Support, Which,
 };
+use render::RenderArguments;
 use std::path::PathBuf;
 
 /// Computes with the smooth surface that a point cloud describes.
@@ -28,7 +30,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 1 more points than --strict allows
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Simulate a laser scan, compute its normals and projection, compare with the truth
+    /// Simulate a laser scan, compute its normals and projection, compare with the truth, draw it
     Demo(DemoArguments),
     /// Describe a file: counts, bounds, repeats, spacing, normals, and the support that fits it
     Info(InfoArguments),
@@ -42,6 +44,8 @@ pub(crate) enum Verb {
     Project(ProjectArguments),
     /// Draw the figures of the paper: the surface as f = 0, its normals, the steps of projections
     Figure(FigureArguments),
+    /// Draw the surface: one picture, light or colours for numbers
+    Render(RenderArguments),
 }
 
 impl Verb {
@@ -69,13 +73,14 @@ impl Verb {
             Self::Orient(a) => &a.common,
             Self::Project(a) => &a.common,
             Self::Figure(a) => &a.common,
+            Self::Render(a) => &a.common,
         }
     }
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct DemoArguments {
-    /// Folder for scan.ply, normals.ply and projected.ply
+    /// Folder for scan.ply, normals.ply, projected.ply, picture.png and triptych.png
     #[arg(short, long, value_name = "DIR", default_value = "footpoint-demo")]
     output: PathBuf,
     /// Standard deviation of the simulated ranges, in metres
@@ -84,6 +89,9 @@ pub(crate) struct DemoArguments {
     /// Rays that each of the stations casts
     #[arg(long, value_name = "COUNT", default_value_t = ScanPlan::default().rays)]
     rays: u32,
+    /// Width of picture.png in pixels; 0 draws nothing
+    #[arg(long, value_name = "PIXELS", default_value_t = 800, value_parser = clap::value_parser!(u16).range(0..=20_000))]
+    picture_width: u16,
     /// Seed of the simulated noise
     #[arg(long, value_name = "NUMBER", default_value_t = ScanPlan::default().seed)]
     seed: u64,
@@ -95,7 +103,7 @@ impl DemoArguments {
     pub(crate) fn plan(&self) -> DemoPlan {
         let scan =
             ScanPlan { noise: self.range_noise, rays: self.rays, seed: self.seed, ..ScanPlan::default() };
-        DemoPlan { folder: self.output.clone(), scan }
+        DemoPlan { folder: self.output.clone(), scan, picture_width: self.picture_width.into() }
     }
 
     /// The scan's density varies tenfold, so unless told otherwise each sample gets its own support.
@@ -350,22 +358,30 @@ pub(crate) struct FigureArguments {
     which: Which,
     /// Cloud for figure 3 [default: a built-in one]
     input: Option<PathBuf>,
-    /// Folder for figure-1.svg, figure-2.svg …
+    /// Folder for figure-1.svg, figure-2.svg, figure-3.png …
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Width of figure 3, which is ray-traced
+    #[arg(long, value_name = "PIXELS", default_value_t = 1440)]
+    width: usize,
     #[command(flatten)]
     common: Common,
 }
 
 impl FigureArguments {
     pub(crate) fn plan(&self) -> FigurePlan {
-        FigurePlan { which: self.which, folder: self.output.clone(), input: self.input.clone() }
+        FigurePlan {
+            which: self.which,
+            folder: self.output.clone(),
+            input: self.input.clone(),
+            width: self.width,
+        }
     }
 
     /// The figures in the plane show built-in curves: an option of the surface would change nothing.
     fn check(&self, recipe: &Recipe) -> Result<(), String> {
         match self.which {
-            Which::One(3) => Ok(()),
+            Which::One(3) | Which::All => Ok(()),
             _ if *recipe == Recipe::default() => Ok(()),
             _ => Err("the figures show built-in surfaces; options of the surface are for figure 3 alone"
                 .to_owned()),

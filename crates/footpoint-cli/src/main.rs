@@ -34,7 +34,7 @@ fn main() -> ExitCode {
     let run = Run::new().threads(common.threads).cancel(&cancelled).progress(&report);
     let result = arguments.verb.recipe().and_then(|recipe| {
         let context = Context { recipe, overwrite: common.overwrite(), run };
-        work(&arguments.verb, context).map_err(|error| explain(&error))
+        work(&arguments.verb, context)
     });
     progress.finish();
     match result.and_then(|report| finish(&arguments.verb, &report)) {
@@ -48,8 +48,8 @@ fn main() -> ExitCode {
 }
 
 /// Runs the job of a verb.
-fn work(verb: &Verb, context: Context<'_>) -> Result<Report, JobError> {
-    match verb {
+fn work(verb: &Verb, context: Context<'_>) -> Result<Report, String> {
+    let done = match verb {
         Verb::Demo(a) => jobs::demo(&a.plan(), &context),
         Verb::Info(a) => jobs::info(&a.input, &context),
         Verb::Evaluate(a) => jobs::evaluate(&a.cloud, &a.at, &a.output, &a.extra(), &context),
@@ -57,7 +57,9 @@ fn work(verb: &Verb, context: Context<'_>) -> Result<Report, JobError> {
         Verb::Orient(a) => jobs::orient(&a.input, &a.output, &a.plan(), &context),
         Verb::Project(a) => jobs::project(&a.input, a.onto.as_deref(), &a.output, &context),
         Verb::Figure(a) => jobs::figure(&a.plan(), &context),
-    }
+        Verb::Render(a) => jobs::render(&a.input, a.output.as_deref(), &a.plan()?, &context),
+    };
+    done.map_err(|error| explain(&error))
 }
 
 /// The error, with the option that helps.

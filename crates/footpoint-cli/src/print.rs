@@ -1,6 +1,8 @@
 //! Reports in words.
 
-use footpoint_jobs::{DegreeAim, DegreeChoice, InfoReport, NoiseSource, Report, Status};
+use footpoint_jobs::{
+    DegreeAim, DegreeChoice, InfoReport, NoiseSource, Projection, RenderReport, Report, Status,
+};
 use std::fmt::Write;
 
 /// How much to say.
@@ -135,16 +137,55 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             demo.median_normal_error_at_samples_degrees,
         )?;
     }
+    if let Some(render) = &report.render {
+        describe_picture(out, render)?;
+    }
     for output in &report.outputs {
         writeln!(out, "wrote {output}")?;
     }
     let t = &report.times;
     write!(out, "seconds: read {:.2}, index {:.2}", t.read.wall_seconds, t.index.wall_seconds)?;
-    write!(out, ", compute {:.2}, write {:.2}", t.compute.wall_seconds, t.write.wall_seconds)?;
+    write!(out, ", compute {:.2}", t.compute.wall_seconds)?;
+    if t.draw.wall_seconds > 0.0 {
+        write!(out, ", draw {:.2}", t.draw.wall_seconds)?;
+    }
+    write!(out, ", write {:.2}", t.write.wall_seconds)?;
     if report.points_per_second > 0.0 {
-        write!(out, "; {:.0} points a second", report.points_per_second)?;
+        let what = if report.render.is_some() { "rays" } else { "points" };
+        write!(out, "; {:.0} {what} a second", report.points_per_second)?;
     }
     writeln!(out)
+}
+
+/// What is in the picture, with the options that give the same camera again.
+fn describe_picture(out: &mut String, render: &RenderReport) -> std::fmt::Result {
+    writeln!(
+        out,
+        "{} x {} pixels, {} of {} rays met the surface ({:.1} %)",
+        render.width,
+        render.height,
+        render.hits,
+        render.rays,
+        100.0 * render.hits as f64 / render.rays as f64
+    )?;
+    let vector = |v: [f64; 3]| v.map(short).join(",");
+    let camera = render.camera;
+    write!(out, "camera: --look-from {} --look-at {}", vector(camera.from), vector(camera.at))?;
+    write!(out, " --look-up {}", vector(camera.up))?;
+    match camera.projection {
+        Projection::Perspective { fov_degrees } => writeln!(out, " --fov {fov_degrees}")?,
+        Projection::Orthographic { height } => {
+            writeln!(out, " --camera orthographic --view-height {}", short(height))?;
+        }
+        _ => writeln!(out)?,
+    }
+    if let Some([low, high]) = render.range {
+        writeln!(out, "colours from {} to {}", short(low), short(high))?;
+    }
+    if let Some([near, far]) = render.depth_range {
+        writeln!(out, "depths from {} to {}", short(near.into()), short(far.into()))?;
+    }
+    Ok(())
 }
 
 fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {

@@ -4,6 +4,22 @@ mod common;
 
 use common::Folder;
 
+/// Points of a sphere in a text file.
+fn sphere() -> String {
+    footpoint::samples::sphere(1.0, 2000, 1).points.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect()
+}
+
+#[test]
+fn the_surface_of_figure_3_takes_options() {
+    let folder = Folder::new();
+    folder.write("cloud.xyz", sphere());
+    folder.done("figure 3 cloud.xyz --width 150 -o usual");
+    folder.done("figure 3 cloud.xyz --width 150 -o wide --radius 0.5");
+    folder.done("figure 3 cloud.xyz --width 90 -o small");
+    let picture = |name: &str| folder.bytes(&format!("{name}/figure-3.png"));
+    assert!(picture("usual") != picture("wide") && picture("small").len() < picture("usual").len());
+}
+
 #[test]
 fn one_figure_and_all() {
     let folder = Folder::new();
@@ -15,7 +31,9 @@ fn one_figure_and_all() {
     let one = folder.bytes("new/figures/figure-4.svg");
     assert!(one.starts_with(b"<svg "));
 
-    let ran = folder.done("figure all -o all");
+    folder.write("cloud.xyz", sphere());
+    let ran = folder.done("figure all cloud.xyz --width 150 -o all");
+    assert!(folder.bytes("all/figure-3.png").starts_with(b"\x89PNG"));
     for number in [1, 2, 4, 5, 6] {
         let name = format!("figure-{number}.svg");
         assert!(ran.stderr.contains(&name), "{}", ran.stderr);
@@ -34,9 +52,10 @@ fn nothing_is_overwritten_unasked() {
     assert_eq!(ran.code, 2);
     assert!(ran.stderr.contains("figure-5.svg") && ran.stderr.contains("--force"), "{}", ran.stderr);
     assert_eq!(folder.listing(), before, "something was written");
-    folder.done("figure all -o out --force");
+    folder.write("cloud.xyz", sphere());
+    folder.done("figure all cloud.xyz --width 150 -o out --force");
     assert!(folder.text("out/figure-5.svg").starts_with("<svg "));
-    assert_eq!(folder.listing().len(), 6, "a partial file is left behind");
+    assert_eq!(folder.listing().len(), 8, "a partial file is left behind");
 }
 
 #[test]
@@ -50,7 +69,7 @@ fn what_cannot_be_drawn_is_refused() {
         ("figure 1", "--output"),
         ("figure 1 cloud.xy -o out", "takes no file"),
         ("figure 2 -o out --weight poly4", "options of the surface are for figure 3"),
-        ("figure all -o out --radius 0.1", "options of the surface are for figure 3"),
+        ("figure 6 -o out --radius 0.1", "options of the surface are for figure 3"),
         ("figure 1 -o file", "cannot make this folder"),
     ] {
         let ran = folder.run(words);

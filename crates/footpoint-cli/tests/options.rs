@@ -372,7 +372,7 @@ fn threads_change_no_byte() {
 fn the_demo_takes_its_plan() {
     let folder = Folder::new();
     let demo = |options: &str| {
-        let report = folder.report(&format!("demo -o out --force {options}"));
+        let report = folder.report(&format!("demo -o out --force --picture-width 0 {options}"));
         (folder.bytes("out/scan.ply"), report)
     };
     let (plain, report) = demo("--rays 900");

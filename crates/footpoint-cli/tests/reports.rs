@@ -28,7 +28,7 @@ fn every_job_reports_what_it_did() {
         ("orient", "orient cloud.csv -o o.ply", 800, 1),
         ("project", "project queries.csv --onto cloud.csv -o p.ply", 91, 1),
         ("evaluate", "evaluate cloud.csv --at queries.csv -o e.csv", 91, 1),
-        ("demo", "demo --rays 400 -o demo", 618, 3),
+        ("demo", "demo --rays 400 -o demo --picture-width 0", 618, 3),
     ] {
         let report = folder.report(words);
         assert_eq!(report["schema"], "footpoint-report/1", "{job}");

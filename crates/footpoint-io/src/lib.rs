@@ -40,8 +40,8 @@ mod text;
 pub use format::{Encoding, Format};
 pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read};
 pub use output::{
-    Overwrite, WriteError, WriteOptions, WriteProblem, check_file_writable, check_table, check_writable,
-    write, write_file,
+    Overwrite, WriteError, WriteOptions, WriteProblem, check_file, check_table, check_writable, write,
+    write_file,
 };
 pub use ply::PlyError;
 pub use table::{Column, Data, Table};

@@ -28,6 +28,8 @@ pub struct Times {
     pub index: Spent,
     /// Evaluating or projecting.
     pub compute: Spent,
+    /// Drawing pictures.
+    pub draw: Spent,
     /// Writing files.
     pub write: Spent,
 }

@@ -5,21 +5,25 @@ use crate::info::median;
 use crate::load::surface_of_cloud;
 use crate::output::{Naming, set_numbers, set_vectors};
 use crate::project::{moved, projection_columns};
+use crate::render::{RenderPlan, check_picture, drawn, put};
 use crate::report::Report;
 use crate::scan::{ScanPlan, Vessel, scan};
 use crate::{Context, JobError};
-use footpoint::{Cloud, Project, Queries, Status, Want};
+use footpoint::{Cloud, Project, Queries, Status, Surface, Want};
 use footpoint_io::{Column, Data, Table, WriteOptions, check_writable, write};
+use footpoint_render::{RenderError, Shading, Wish, triptych, write_image};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// What to simulate and where to put it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DemoPlan {
-    /// Folder for the three clouds; made if it does not exist.
+    /// Folder for clouds and pictures; made if it does not exist.
     pub folder: PathBuf,
     /// The scan.
     pub scan: ScanPlan,
+    /// Pixels in a row of `picture.png`, three quarters as many rows; 0 draws nothing.
+    pub picture_width: usize,
 }
 
 /// How near the computed surface comes to the truth, over the points that are *ok*.
@@ -44,7 +48,7 @@ pub struct DemoReport {
 }
 
 /// Scans the vase, computes normals and orthogonal projections, writes `scan.ply`, `normals.ply` and
-/// `projected.ply`, and compares with the truth.
+/// `projected.ply`, compares with the truth, and draws the surface: `picture.png` and, as the paper's figure 3, `triptych.png`.
 pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> {
     plan.scan.check()?;
     let mut report = Report::new("demo", context.recipe.clone());
@@ -54,6 +58,10 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
     let files = ["scan.ply", "normals.ply", "projected.ply"].map(|name| plan.folder.join(name));
     for file in &files {
         check_writable(file, context.overwrite)?;
+    }
+    let pictures = ["picture.png", "triptych.png"].map(|name| plan.folder.join(name));
+    for file in pictures.iter().filter(|_| plan.picture_width > 0) {
+        check_picture(file, context)?;
     }
 
     // The simulation stands where other jobs read a file.
@@ -108,7 +116,32 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
         set_numbers(&mut table, "error_after", error.after);
         put(&files[2], &table)
     })?;
+    if plan.picture_width > 0 {
+        draw(&surface, plan.picture_width, &pictures, context, &mut report)?;
+    }
     Ok(report)
+}
+
+/// Draws the surface and the triptych. A scan of a few rays has no surface to see: its pictures are empty, and no error.
+fn draw(
+    surface: &Surface<3>,
+    width: usize,
+    files: &[PathBuf; 2],
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<(), JobError> {
+    let wrong = |problem: RenderError| JobError::of_render("the simulated scan", problem);
+    let plan = RenderPlan { size: [width, (3 * width).div_ceil(4)], ..RenderPlan::default() };
+    // Half as wide again as the picture.
+    let panel = [width.div_ceil(2); 2];
+    let run = context.run.silent();
+    let (picture, three) = timed(&mut report.times.draw, || -> Result<_, RenderError> {
+        let (_, picture) = drawn(surface, &plan, (Shading::Surface, ""), &run)?;
+        Ok((picture, triptych(surface, &Wish::default(), (panel, plan.across), &run)?))
+    })
+    .map_err(wrong)?;
+    put(report, &files[0], context, &|out| write_image(&picture.image, out))?;
+    put(report, &files[1], context, &|out| write_image(&three.image, out))
 }
 
 /// Errors at every sample; NaN where there is no answer.

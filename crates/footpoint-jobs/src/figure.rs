@@ -2,9 +2,11 @@
 
 use crate::clock::timed;
 use crate::report::Report;
+use crate::triptych::triptych;
 use crate::{Context, JobError};
-use footpoint_io::{check_file_writable, write_file};
+use footpoint_io::{check_file, write_file};
 use footpoint_render::figure::{self, FigureError};
+use std::io::Write;
 use std::path::PathBuf;
 
 /// Which figures to draw and where to put them.
@@ -16,6 +18,8 @@ pub struct FigurePlan {
     pub folder: PathBuf,
     /// A cloud for figure 3 in place of the built-in one; no other figure takes one.
     pub input: Option<PathBuf>,
+    /// Pixels in a row of figure 3.
+    pub width: usize,
 }
 
 /// Figures by their number in the paper.
@@ -27,38 +31,47 @@ pub enum Which {
     All,
 }
 
-/// Draws figures of the paper from what the library computes on built-in samples, and writes `figure-N.svg`.
+/// The figure that is ray-traced.
+const IN_SPACE: u8 = 3;
+
+/// Draws figures of the paper from what the library computes on built-in samples, and writes `figure-N.svg`, and
+/// `figure-3.png` of the input or of a built-in scan.
 ///
-/// All are drawn before the first is written. The recipe's surface is for figure 3 alone.
+/// All names are checked before the first is drawn. The recipe's surface is for figure 3 alone.
 pub fn figure(plan: &FigurePlan, context: &Context<'_>) -> Result<Report, JobError> {
-    let numbers = match plan.which {
-        Which::All => figure::NUMBERS.to_vec(),
+    let mut numbers = match plan.which {
+        Which::All => [figure::NUMBERS.as_slice(), &[IN_SPACE]].concat(),
         Which::One(number) => vec![number],
     };
-    // The ray-traced figure belongs here: a file of its own beside the others, drawn from `plan.input`.
-    if numbers.contains(&3) {
-        return Err(JobError::NoTriptych);
-    }
-    if let (Some(_), Some(&number)) = (&plan.input, numbers.first()) {
+    let in_space = numbers.contains(&IN_SPACE);
+    if let (Some(_), Some(&number), false) = (&plan.input, numbers.first(), in_space) {
         return Err(JobError::NoInput(number));
     }
-    let mut report = Report::new("figure", context.recipe.clone());
     let made = std::fs::create_dir_all(&plan.folder);
     made.map_err(|problem| JobError::Folder { path: plan.folder.clone(), problem })?;
-    let files: Vec<PathBuf> =
-        numbers.iter().map(|number| plan.folder.join(format!("figure-{number}.svg"))).collect();
-    for file in &files {
-        check_file_writable(file, context.overwrite)?;
+    let place = |number: u8| {
+        let kind = if number == IN_SPACE { "png" } else { "svg" };
+        plan.folder.join(format!("figure-{number}.{kind}"))
+    };
+    for &number in &numbers {
+        check_file(&place(number), context.overwrite)?;
     }
+    numbers.retain(|&number| number != IN_SPACE);
+    let mut report = Report::new("figure", context.recipe.clone());
     let drawn = timed(&mut report.times.compute, || {
         let draw =
             |&number: &u8| figure::figure(number, &context.run).map_err(|problem| failed(number, problem));
         numbers.iter().map(draw).collect::<Result<Vec<String>, JobError>>()
     })?;
+    if in_space {
+        let compute = report.times.compute;
+        report = triptych(plan.input.as_deref(), &place(IN_SPACE), plan.width, context)?;
+        report.times.compute += compute;
+    }
     timed(&mut report.times.write, || -> Result<(), JobError> {
-        for (file, content) in files.iter().zip(&drawn) {
-            write_file(file, content.as_bytes(), context.overwrite)?;
-            report.outputs.push(file.display().to_string());
+        for (&number, content) in numbers.iter().zip(&drawn) {
+            write_file(&place(number), context.overwrite, |file| file.write_all(content.as_bytes()))?;
+            report.outputs.push(place(number).display().to_string());
         }
         Ok(())
     })?;

@@ -16,8 +16,10 @@ mod normals;
 mod orient;
 mod output;
 mod project;
+mod render;
 mod report;
 pub mod scan;
+mod triptych;
 
 pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
@@ -27,9 +29,11 @@ pub use info::{InfoReport, NormalsReport, info};
 pub use normals::{Bending, NormalChoice, normals};
 pub use orient::{OrientBy, OrientPlan, OrientationReport, orient};
 pub use project::project;
+pub use render::{RenderPlan, RenderReport, Show, render};
 pub use report::{
     InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
 };
+pub use triptych::triptych;
 
 /// What the jobs take from the library, so that a front needs no other crate.
 pub use footpoint::{
@@ -37,6 +41,7 @@ pub use footpoint::{
     Operator, Precision, Progress, Project, Run, Status, Support, Weight,
 };
 pub use footpoint_io::Overwrite;
+pub use footpoint_render::{Background, Camera, Projection, Relief, View, Wish};
 
 use std::path::PathBuf;
 
@@ -158,21 +163,51 @@ pub enum JobError {
         /// What stands against it.
         problem: footpoint_render::figure::FigureError,
     },
-    /// The figure in space is not there yet.
-    #[error("figure 3 cannot be drawn yet: the figures are 1, 2, 4, 5 and 6")]
-    NoTriptych,
     /// A file where no figure takes one.
     #[error("figure {0} shows built-in samples and takes no file; figure 3 does")]
     NoInput(u8),
     /// A scan that cannot be simulated.
     #[error(transparent)]
     Plan(#[from] scan::PlanError),
+    /// A curve where a surface is needed.
+    #[error(
+        "{0}: its points have 2 coordinates, which make a curve: `footpoint figure` draws curves, this needs 3"
+    )]
+    OnlyPlane(String),
+    /// A name that is not a picture's.
+    #[error("{0}: pictures are written as PNG; end the name in .png")]
+    NotPng(String),
+    /// Two outputs of one name.
+    #[error("{0}: two pictures are to be written there; give each its own name")]
+    SameFile(String),
+    /// A picture cannot be drawn.
+    #[error("{path}: {problem}")]
+    Render {
+        /// The file.
+        path: String,
+        /// What stands against it.
+        problem: footpoint_render::RenderError,
+    },
+    /// A picture of nothing.
+    #[error(
+        "{0}: no ray met the surface, so there is no picture. Look from elsewhere (--view, --look-from, --look-at), or \
+         widen the support (--auto 40, --per-sample 16): `footpoint info` says how well it suits the points"
+    )]
+    NothingHit(String),
     /// The job was cancelled.
     #[error("cancelled; nothing was written")]
     Cancelled,
 }
 
 impl JobError {
+    /// Why there is no picture of this file.
+    pub(crate) fn of_render(path: &str, problem: footpoint_render::RenderError) -> Self {
+        match problem {
+            footpoint_render::RenderError::Cancelled(_) => Self::Cancelled,
+            problem => Self::Render { path: path.to_owned(), problem },
+        }
+    }
+
     /// Whether an output exists already and may not be overwritten.
     pub fn is_existing_output(&self) -> bool {
         matches!(self, Self::Write(error) if matches!(error.problem, footpoint_io::WriteProblem::Exists))

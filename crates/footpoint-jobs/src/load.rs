@@ -138,6 +138,16 @@ impl Loaded {
         })
     }
 
+    /// Fails if the points make a curve in the plane.
+    pub(crate) fn check_space(&self) -> Result<(), JobError> {
+        if self.roles.dimension() == 3 { Ok(()) } else { Err(JobError::OnlyPlane(self.path.clone())) }
+    }
+
+    /// Why there is no picture of this file.
+    pub(crate) fn render_error(&self, problem: footpoint_render::RenderError) -> JobError {
+        JobError::of_render(&self.path, problem)
+    }
+
     /// Why this file cannot be oriented.
     pub(crate) fn orient_error(&self, problem: OrientError) -> JobError {
         JobError::Orient { path: self.path.clone(), problem }

@@ -4,6 +4,7 @@ use crate::clock::Times;
 use crate::demo::DemoReport;
 use crate::info::InfoReport;
 use crate::orient::OrientationReport;
+use crate::render::RenderReport;
 use footpoint::{
     Definition, DegreeAim, DegreeChoice, Noise, Project, Sign, Status, SupportChoice, SupportSummary, Surface,
 };
@@ -31,7 +32,7 @@ pub struct Report {
     pub recipe: Recipe,
     /// The surface that was used.
     pub surface: Option<SurfaceReport>,
-    /// Points asked about.
+    /// Points asked about; rays of a picture.
     pub points: usize,
     /// How many points ended with each status; only those that occur.
     pub statuses: Vec<StatusCount>,
@@ -41,6 +42,9 @@ pub struct Report {
     /// How `orient` found the signs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<OrientationReport>,
+    /// What `render` drew.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub render: Option<RenderReport>,
     /// What `info` found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub info: Option<InfoReport>,
@@ -49,7 +53,7 @@ pub struct Report {
     pub demo: Option<DemoReport>,
     /// Time by stage.
     pub times: Times,
-    /// Points over the wall seconds of `compute`.
+    /// Points over the wall seconds of `compute`; rays over those of `draw`.
     pub points_per_second: f64,
 }
 
@@ -184,6 +188,7 @@ impl Report {
             statuses: Vec::new(),
             moved: None,
             orientation: None,
+            render: None,
             info: None,
             demo: None,
             times: Times::default(),

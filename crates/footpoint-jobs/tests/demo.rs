@@ -9,7 +9,7 @@ use footpoint_jobs::{Context, DemoPlan, JobError, Overwrite, Support, demo};
 /// The support that the command takes for the demo.
 const DEMO_SUPPORT: Support = Support::AutoPerSample { effective_neighbours: 24.0 };
 
-const FILES: [&str; 3] = ["scan.ply", "normals.ply", "projected.ply"];
+const FILES: [&str; 5] = ["scan.ply", "normals.ply", "projected.ply", "picture.png", "triptych.png"];
 
 #[test]
 fn at_full_size() {
@@ -37,7 +37,7 @@ fn files_hold_what_the_report_says() {
     let demo = found(&report);
     let paths = FILES.map(|name| inside.join(name).display().to_string());
     assert_eq!(report.outputs, paths);
-    let [cloud, normals, projected] = FILES.map(|name| table(&inside, name));
+    let [cloud, normals, projected] = [0, 1, 2].map(|i| table(&inside, FILES[i]));
     assert_eq!([cloud.rows(), normals.rows(), projected.rows()], [report.points; 3]);
     assert_eq!(names(&cloud), "x y z station");
     assert_eq!(names(&normals), "x y z station nx ny nz frame_nx frame_ny frame_nz status");
@@ -105,6 +105,7 @@ fn existing_files_and_senseless_plans_are_refused() {
     let plan = |rays: u32, noise: f64| DemoPlan {
         folder: folder.path().join("new"),
         scan: ScanPlan { rays, noise, ..ScanPlan::default() },
+        picture_width: 16,
     };
     let refused = |plan: &DemoPlan| demo(plan, &Context::default()).unwrap_err();
     for (rays, noise) in [(0, 1e-4), (400, -1e-4), (400, f64::NAN), (400, f64::INFINITY)] {

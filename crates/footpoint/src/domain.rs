@@ -439,3 +439,123 @@ fn dilated<const D: usize>(level: &Occupied<D>, reach: f64, run: &Run<'_>) -> Ve
     };
     run.collect(targets.len(), |i| bricks_of(targets[i])).into_iter().flatten().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::{dot, length, scale, sub};
+    use crate::cloud::Cloud;
+    use crate::lane::Precision;
+    use crate::samples::Random;
+    use crate::support::Radii;
+
+    /// A ball's part of a line, if it meets it by more than rounding.
+    fn through_ball<const D: usize>(line: &Line<D>, centre: [f64; D], radius: f64) -> Option<(f64, f64)> {
+        let to = sub(centre, line.origin);
+        let along = dot(to, line.direction);
+        let half = (radius * radius - dot(to, to) + along * along).sqrt();
+        (half > 1e-6 * radius).then_some((along - half, along + half))
+    }
+
+    /// All stretches of a line, one after the other.
+    fn stretches<const D: usize>(domain: &Domain<D>, line: &Line<D>) -> Vec<Stretch> {
+        let mut found: Vec<Stretch> = Vec::new();
+        let mut from = 0.0;
+        while let Some(stretch) = domain.stretch(line, (from, f64::INFINITY)) {
+            assert!(stretch.begin >= from && stretch.end > from && stretch.begin <= stretch.first);
+            assert!(stretch.first <= stretch.end);
+            from = stretch.end;
+            found.push(stretch);
+            assert!(found.len() < 10_000, "no progress");
+        }
+        found
+    }
+
+    fn check<const D: usize>(points: Vec<[f64; D]>, radii: &Radii, largest: f64) {
+        let cloud = Cloud::new(points);
+        let run = Run::new();
+        let grid = Grid::new(&cloud, radii, largest, 1.0, Precision::Double, &run);
+        for ratio in [1.0, 0.6] {
+            let domain = Domain::new(&grid, ratio, &run);
+            let mut random = Random::new(5);
+            let (mut met, mut long) = (0, 0.0);
+            for i in 0..300 {
+                let near = scale(cloud.points()[i % cloud.len()], 1.0 / grid.unit);
+                let mut direction: [f64; D] = std::array::from_fn(|_| 2.0 * random.uniform() - 1.0);
+                if i % 5 == 0 {
+                    direction[i % D] = 0.0;
+                }
+                let direction = scale(direction, 1.0 / length(direction));
+                let origin =
+                    std::array::from_fn(|k| near[k] + 2.0 * random.uniform() - 1.0 - 40.0 * direction[k]);
+                let line = Line { origin, direction };
+                let stretches = stretches(&domain, &line);
+                long += stretches.iter().map(|s| s.end - s.begin).sum::<f64>();
+                for (place, p) in cloud.points().iter().enumerate() {
+                    let radius = match radii {
+                        Radii::Uniform(h) => *h,
+                        Radii::PerSample(h) => h[place],
+                    };
+                    let (centre, radius) = (scale(*p, 1.0 / grid.unit), ratio * radius / grid.unit);
+                    let Some((enter, leave)) = through_ball(&line, centre, radius) else { continue };
+                    met += 1;
+                    // Every part of the ball is in some stretch, up to where rays are said to leave all balls.
+                    let mut covered = enter.max(0.0);
+                    for stretch in &stretches {
+                        if stretch.begin <= covered + 1e-6 {
+                            covered = covered.max(stretch.end);
+                        }
+                    }
+                    assert!(covered >= leave - 1e-6, "ball from {enter} to {leave}: {stretches:?}");
+                }
+            }
+            assert!(met > 100 && long < 300.0 * 60.0, "{met} {long}");
+        }
+    }
+
+    fn random_cloud<const D: usize>(count: usize, extent: f64) -> Vec<[f64; D]> {
+        let mut random = Random::new(3);
+        (0..count).map(|_| std::array::from_fn(|_| extent * (random.uniform() - 0.5))).collect()
+    }
+
+    #[test]
+    fn no_ball_is_passed_over() {
+        check(random_cloud::<3>(300, 20.0), &Radii::Uniform(1.1), 1.1);
+        check(random_cloud::<3>(300, 20.0), &Radii::Uniform(1.9), 1.9);
+        check(random_cloud::<2>(60, 20.0), &Radii::Uniform(1.3), 1.3);
+        let each = (0..300).map(|i| 0.1 * 1.01_f64.powi(i)).collect();
+        check(random_cloud::<3>(300, 20.0), &Radii::PerSample(each), 0.1 * 1.01_f64.powi(299));
+    }
+
+    #[test]
+    fn outliers_cost_little() {
+        let mut points = random_cloud::<3>(300, 20.0);
+        points.extend([[1e12, 1e13, -1e13], [-1e13, 2e12, 1e12]]);
+        let cloud = Cloud::new(points.clone());
+        let run = Run::new();
+        let grid = Grid::new(&cloud, &Radii::Uniform(1.1), 1.1, 1.0, Precision::Double, &run);
+        let domain = Domain::new(&grid, 1.0, &run);
+        let nodes: usize = domain.pyramids.iter().flat_map(|p| &p.storeys).map(Vec::len).sum();
+        assert!(nodes < 4000, "{nodes}");
+        // To the outlier and into it.
+        let aim = scale([1e12, 1e13, -1e13], 1.0 / grid.unit);
+        let line = Line { origin: [0.0; 3], direction: scale(aim, 1.0 / length(aim)) };
+        let last = stretches(&domain, &line).pop().unwrap();
+        assert!((last.begin - length(aim)).abs() < 4.0, "{last:?}");
+    }
+
+    #[test]
+    fn far_from_all_balls_there_is_no_stretch() {
+        let cloud = Cloud::new(random_cloud::<3>(300, 20.0));
+        let run = Run::new();
+        let grid = Grid::new(&cloud, &Radii::Uniform(1.1), 1.1, 1.0, Precision::Double, &run);
+        let domain = Domain::new(&grid, 1.0, &run);
+        let beside = Line { origin: [0.0, 0.0, 30.0], direction: [1.0, 0.0, 0.0] };
+        let away = Line { origin: [0.0, 0.0, 30.0], direction: [0.0, 0.0, 1.0] };
+        for line in [beside, away] {
+            assert_eq!(domain.stretch(&line, (0.0, f64::INFINITY)), None);
+        }
+        assert!(domain.stretch(&away, (-60.0, f64::INFINITY)).is_some());
+        assert_eq!(domain.stretch(&away, (-60.0, -55.0)), None);
+    }
+}

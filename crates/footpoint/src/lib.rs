@@ -27,6 +27,7 @@
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod algebra;
+mod average;
 mod cloud;
 mod columns;
 mod contour;

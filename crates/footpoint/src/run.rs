@@ -104,6 +104,13 @@ impl<'r> Run<'r> {
         Self { progress: None, ..self }
     }
 
+    /// Calls what [`Run::progress`] was given: for a front whose work is many calls, each with a [`Run::silent`] run.
+    pub fn announce(&self, progress: Progress) {
+        if let Some(report) = self.progress {
+            report(progress);
+        }
+    }
+
     /// Fails once the run has been cancelled.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         match self.cancel {
@@ -131,9 +138,7 @@ impl<'r> Run<'r> {
                 finished += size(group);
             }
             let done = done.fetch_add(finished, Ordering::Relaxed) + finished;
-            if let Some(report) = self.progress {
-                report(Progress { done, total });
-            }
+            self.announce(Progress { done, total });
             Ok(())
         };
         let chunks = count.div_ceil(GROUPS_AT_A_TIME);

@@ -14,7 +14,7 @@ const CRATES: [(&str, &[&str]); 5] = [
 ];
 
 /// The library's rooms, lowest first: each may use only those before it.
-const ROOMS: [&str; 34] = [
+const ROOMS: [&str; 36] = [
     "written",
     "lane",
     "dual",
@@ -33,6 +33,7 @@ const ROOMS: [&str; 34] = [
     "cloud",
     "support",
     "grid",
+    "domain",
     "neighbours",
     "engine",
     "frame",
@@ -43,6 +44,7 @@ const ROOMS: [&str; 34] = [
     "queries",
     "variance",
     "evaluate",
+    "average",
     "project",
     "ray",
     "contour",
@@ -52,7 +54,8 @@ const ROOMS: [&str; 34] = [
 ];
 
 /// Questions see the surface and its evaluator, never the engine or the index.
-const QUESTIONS: [&str; 7] = ["evaluate", "project", "ray", "contour", "degree", "uncertainty", "orient"];
+const QUESTIONS: [&str; 8] =
+    ["evaluate", "average", "project", "ray", "contour", "degree", "uncertainty", "orient"];
 const INTERNALS: [&str; 2] = ["engine", "grid"];
 
 const LONGEST_FILE: usize = 600;

@@ -99,19 +99,8 @@ pub enum WriteProblem {
 /// The extension must be known, the folder must exist and take a new file (one is made there and removed),
 /// and the name must be free or, with [`Overwrite::Replace`], a plain file.
 pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<(), WriteError> {
-    at(path, || {
-        Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?;
-        check_place(path, overwrite)?;
-        partial(path).map(drop)
-    })
-}
-
-/// [`check_writable`] for a file that is no table: any extension will do.
-pub fn check_file_writable(path: &Path, overwrite: Overwrite) -> Result<(), WriteError> {
-    at(path, || {
-        check_place(path, overwrite)?;
-        partial(path).map(drop)
-    })
+    at(path, || Target::from_path(path).map(drop).ok_or(WriteProblem::UnknownExtension))?;
+    check_file(path, overwrite)
 }
 
 /// Checks that the format of `path` can hold `table`: columns of one length, names of their own, no text
@@ -127,44 +116,49 @@ pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
 /// in one step when it is complete, and is removed on any error. Fails as [`check_writable`] and
 /// [`check_table`] do, and on a full disk.
 pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), WriteError> {
-    at(path, || {
+    let target = at(path, || {
         let target = Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?;
-        check_columns(target, table)?;
-        put(path, options.overwrite, |file| fill(file, target, table, options.ply))
+        check_columns(target, table).map(|()| target)
+    })?;
+    write_file(path, options.overwrite, |file| fill(file, target, table, options.ply))
+}
+
+/// Checks, before any work is done, that [`write_file`] could put a file at `path`, whatever its format.
+pub fn check_file(path: &Path, overwrite: Overwrite) -> Result<(), WriteError> {
+    at(path, || {
+        check_place(path, overwrite)?;
+        partial(path).map(drop)
     })
 }
 
-/// Writes a file that is no table, a picture say, in the way of [`write()`]: whole or not at all.
-pub fn write_file(path: &Path, content: &[u8], overwrite: Overwrite) -> Result<(), WriteError> {
-    at(path, || put(path, overwrite, |file| file.write_all(content)))
-}
-
-/// Fills a partial file beside `path`, which becomes `path` in one step.
-fn put(
+/// Puts a file of any format at `path`: what `fill` writes, as [`write()`] does it, in one step and never half.
+pub fn write_file(
     path: &Path,
     overwrite: Overwrite,
     fill: impl FnOnce(&mut std::fs::File) -> io::Result<()>,
-) -> Result<(), WriteProblem> {
-    check_place(path, overwrite)?;
-    let mut file = partial(path)?;
-    fill(file.as_file_mut()).map_err(WriteProblem::Io)?;
-    let kept = match overwrite {
-        Overwrite::Replace => file.persist(path),
-        // Someone may have written the file since the check. Some file systems have no such step;
-        // there a second look must do, as the work would be lost otherwise.
-        Overwrite::Refuse => file.persist_noclobber(path).or_else(|error| match path.exists() {
-            true => Err(error),
-            false => error.file.persist(path),
-        }),
-    };
-    match kept {
-        Ok(_) => Ok(()),
-        Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Err(WriteProblem::Exists),
-        Err(error) => Err(WriteProblem::Io(error.error)),
-    }
+) -> Result<(), WriteError> {
+    at(path, || {
+        check_place(path, overwrite)?;
+        let mut file = partial(path)?;
+        fill(file.as_file_mut()).map_err(WriteProblem::Io)?;
+        let kept = match overwrite {
+            Overwrite::Replace => file.persist(path),
+            // Someone may have written the file since the check. Some file systems have no such step;
+            // there a second look must do, as the work would be lost otherwise.
+            Overwrite::Refuse => file.persist_noclobber(path).or_else(|error| match path.exists() {
+                true => Err(error),
+                false => error.file.persist(path),
+            }),
+        };
+        match kept {
+            Ok(_) => Ok(()),
+            Err(error) if error.error.kind() == io::ErrorKind::AlreadyExists => Err(WriteProblem::Exists),
+            Err(error) => Err(WriteProblem::Io(error.error)),
+        }
+    })
 }
 
-fn at(path: &Path, work: impl FnOnce() -> Result<(), WriteProblem>) -> Result<(), WriteError> {
+fn at<T>(path: &Path, work: impl FnOnce() -> Result<T, WriteProblem>) -> Result<T, WriteError> {
     work().map_err(|problem| WriteError { path: path.to_owned(), problem })
 }
 

@@ -17,7 +17,7 @@ pub(crate) fn with_support(support: Support) -> Recipe {
 
 /// Runs the demo into `folder`.
 pub(crate) fn run_demo(folder: &Path, scan: ScanPlan, support: Support) -> Report {
-    let plan = DemoPlan { folder: folder.to_owned(), scan };
+    let plan = DemoPlan { folder: folder.to_owned(), scan, picture_width: 64 };
     demo(&plan, &Context { recipe: with_support(support), ..Context::default() }).unwrap()
 }
 

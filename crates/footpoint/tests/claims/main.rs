@@ -4,6 +4,7 @@
 mod common;
 
 mod acceptance;
+mod averages;
 mod contour;
 mod convergence;
 mod degrees;

@@ -1,0 +1,302 @@
+//! Job: a picture of the surface.
+
+use crate::clock::timed;
+use crate::load::Loaded;
+use crate::report::Report;
+use crate::{Context, JobError};
+use footpoint::{Run, Surface};
+use footpoint_io::{Data, check_file, write_file};
+use footpoint_render::{
+    Background, Camera, Extent, Keep, Occlusion, Picture, Plan, Relief, Shading, Wish, linear,
+    render as draw, view_size, write_depth, write_image, write_mask, write_normals,
+};
+use serde::Serialize;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// What a picture shows.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Show {
+    /// Light on the surface, by its exact normal.
+    #[default]
+    Surface,
+    /// Light on the surface, by the frame normal.
+    Frame,
+    /// n·∇f/|∇f|.
+    Difference,
+    /// Mean curvature, one over the unit of the file.
+    Curvature,
+    /// Distance to the surface of another file's points, by the same recipe.
+    Distance(PathBuf),
+    /// The weighted average of a column.
+    Attribute(String),
+    /// The samples' own colours: columns `red green blue`, `r g b` or `diffuse_red …`.
+    Colour,
+    /// The surface normal, x y z as red green blue.
+    Normal,
+    /// Distance from the eye's plane.
+    Depth,
+}
+
+/// What to draw, and what to write beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderPlan {
+    /// What is shown.
+    pub show: Show,
+    /// From where.
+    pub wish: Wish,
+    /// Pixels in a row, and rows.
+    pub size: [usize; 2],
+    /// Rays along each side of a pixel.
+    pub across: usize,
+    /// What lies behind.
+    pub background: Background,
+    /// Whether light falls on colours that stand for numbers.
+    pub relief: Relief,
+    /// Rays for shadows in hollows, from every point that is seen; 0 for none.
+    pub occlusion: usize,
+    /// The numbers at the ends of the colours; found if not given.
+    pub range: Option<[f64; 2]>,
+    /// File for the depths, a PNG of 16 bits.
+    pub depth: Option<PathBuf>,
+    /// File for the normals, a PNG of 16 bits.
+    pub normals: Option<PathBuf>,
+    /// File for the pixels that hit, a PNG of 8 bits.
+    pub mask: Option<PathBuf>,
+}
+
+impl Default for RenderPlan {
+    /// The surface from the automatic view, 1600 × 1200 pixels of 4 rays, on white.
+    fn default() -> Self {
+        Self {
+            show: Show::Surface,
+            wish: Wish::default(),
+            size: [1600, 1200],
+            across: 2,
+            background: Background::default(),
+            relief: Relief::Lit,
+            occlusion: 0,
+            range: None,
+            depth: None,
+            normals: None,
+            mask: None,
+        }
+    }
+}
+
+/// What a picture shows and from where. Lengths are in the unit of the file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RenderReport {
+    /// What is shown: `surface`, `difference`, …
+    pub shading: &'static str,
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Rays a pixel.
+    pub samples_per_pixel: usize,
+    /// From where: as options it gives the same picture.
+    pub camera: Camera,
+    /// Rays cast, without those of occlusion.
+    pub rays: usize,
+    /// Rays that met the surface.
+    pub hits: usize,
+    /// Rays over the wall seconds of `draw`, shading included.
+    pub rays_per_second: f64,
+    /// The numbers at the ends of the colours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// The depths that the depth file has as 1 and 65535.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_range: Option<[f32; 2]>,
+}
+
+/// How far the sky reaches that occlusion looks for, in diagonals of the cloud.
+const SKY: f64 = 0.15;
+
+/// Draws the surface of `input` into `output`, by default the input's name with `.png` in the current folder.
+///
+/// Fails on 2-D points, and where no ray meets the surface.
+pub fn render(
+    input: &Path,
+    output: Option<&Path>,
+    plan: &RenderPlan,
+    context: &Context<'_>,
+) -> Result<Report, JobError> {
+    let output = output.map_or_else(|| picture_name(input), Path::to_owned);
+    let planes = [&plan.depth, &plan.normals, &plan.mask];
+    let files: Vec<&PathBuf> = [&output].into_iter().chain(planes.into_iter().flatten()).collect();
+    for (i, file) in files.iter().enumerate() {
+        check_picture(file, context)?;
+        if files[..i].contains(file) {
+            return Err(JobError::SameFile(file.display().to_string()));
+        }
+    }
+    let mut report = Report::new("render", context.recipe.clone());
+    let loaded = Loaded::read(input, &mut report.times)?;
+    report.inputs.push(loaded.report());
+    loaded.check_space()?;
+    let other = match &plan.show {
+        Show::Distance(path) => {
+            let other = Loaded::read(path, &mut report.times)?;
+            report.inputs.push(other.report());
+            loaded.check_dimension(&other)?;
+            Some(other.surface::<3>(context, &mut report)?)
+        }
+        _ => None,
+    };
+    let values = match &plan.show {
+        Show::Attribute(name) => loaded.column(name)?,
+        _ => Vec::new(),
+    };
+    let colours = match plan.show {
+        Show::Colour => colours(&loaded)?,
+        _ => Vec::new(),
+    };
+    let surface = loaded.surface::<3>(context, &mut report)?;
+    let (shading, name, title) = match &plan.show {
+        Show::Surface => (Shading::Surface, "surface", ""),
+        Show::Frame => (Shading::Frame, "frame", ""),
+        Show::Difference => (Shading::Difference, "difference", "n·∇f/|∇f|"),
+        Show::Curvature => (Shading::Curvature, "curvature", "mean curvature"),
+        Show::Distance(_) => {
+            (other.as_ref().map_or(Shading::Surface, Shading::Distance), "distance", "distance")
+        }
+        Show::Attribute(name) => (Shading::Attribute(&values), "attribute", name.as_str()),
+        Show::Colour => (Shading::Colour(&colours), "colour", ""),
+        Show::Normal => (Shading::Normal, "normal", ""),
+        Show::Depth => (Shading::Depth, "depth", "depth"),
+    };
+    let (camera, picture) = timed(&mut report.times.draw, || {
+        drawn(&surface, plan, (shading, title), &context.run).map_err(|error| loaded.render_error(error))
+    })?;
+    if picture.hits == 0 {
+        return Err(JobError::NothingHit(input.display().to_string()));
+    }
+    let seconds = report.times.draw.wall_seconds;
+    report.points = picture.rays;
+    report.points_per_second = if seconds > 0.0 { picture.rays as f64 / seconds } else { 0.0 };
+    report.render = Some(RenderReport {
+        shading: name,
+        width: plan.size[0],
+        height: plan.size[1],
+        samples_per_pixel: plan.across * plan.across,
+        camera,
+        rays: picture.rays,
+        hits: picture.hits,
+        rays_per_second: report.points_per_second,
+        range: picture.range,
+        depth_range: plan.depth.as_ref().and(picture.planes.as_ref()).map(|planes| planes.depth_range()),
+    });
+    write_all(&mut report, &picture, (&output, plan), context)?;
+    Ok(report)
+}
+
+/// The camera and the picture.
+pub(crate) fn drawn(
+    surface: &Surface<3>,
+    plan: &RenderPlan,
+    (shading, title): (Shading<'_>, &str),
+    run: &Run<'_>,
+) -> Result<(Camera, Picture), footpoint_render::RenderError> {
+    let extent = Extent::new(surface);
+    let [width, height] = view_size(plan.size, &shading);
+    let camera = extent.camera(&plan.wish, width.max(1), height.max(1))?;
+    let wants_planes = plan.depth.is_some() || plan.normals.is_some() || plan.mask.is_some();
+    let drawing = Plan {
+        camera,
+        size: plan.size,
+        across: plan.across,
+        shading,
+        relief: plan.relief,
+        background: plan.background,
+        occlusion: (plan.occlusion > 0)
+            .then(|| Occlusion { rays: plan.occlusion, reach: SKY * extent.size() }),
+        range: plan.range,
+        title: title.to_owned(),
+        planes: if wants_planes { Keep::Yes } else { Keep::No },
+    };
+    Ok((camera, draw(surface, &drawing, run)?))
+}
+
+fn write_all(
+    report: &mut Report,
+    picture: &Picture,
+    (output, plan): (&Path, &RenderPlan),
+    context: &Context<'_>,
+) -> Result<(), JobError> {
+    put(report, output, context, &|out| write_image(&picture.image, out))?;
+    let Some(planes) = &picture.planes else { return Ok(()) };
+    if let Some(path) = &plan.depth {
+        put(report, path, context, &|out| write_depth(planes, plan.size, out))?;
+    }
+    if let Some(path) = &plan.normals {
+        put(report, path, context, &|out| write_normals(planes, plan.size, out))?;
+    }
+    if let Some(path) = &plan.mask {
+        put(report, path, context, &|out| write_mask(planes, plan.size, out))?;
+    }
+    Ok(())
+}
+
+/// Writes one picture file.
+pub(crate) fn put(
+    report: &mut Report,
+    path: &Path,
+    context: &Context<'_>,
+    fill: &dyn Fn(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> Result<(), JobError> {
+    timed(&mut report.times.write, || {
+        write_file(path, context.overwrite, |file| {
+            let mut out = BufWriter::new(file);
+            fill(&mut out)?;
+            out.flush()
+        })
+    })?;
+    report.wrote(path);
+    Ok(())
+}
+
+/// Fails, before any work is done, where no picture could be put at `path`.
+pub(crate) fn check_picture(path: &Path, context: &Context<'_>) -> Result<(), JobError> {
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("png") => Ok(check_file(path, context.overwrite)?),
+        _ => Err(JobError::NotPng(path.display().to_string())),
+    }
+}
+
+/// `scan.png` for `folder/scan.ply` and for `folder/scan.ply.gz`.
+fn picture_name(input: &Path) -> PathBuf {
+    let without = |name: &Path| name.file_stem().map_or_else(|| PathBuf::from("picture"), PathBuf::from);
+    let packed = input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"));
+    let stem = if packed { without(&without(input)) } else { without(input) };
+    let mut name = stem.into_os_string();
+    name.push(".png");
+    PathBuf::from(name)
+}
+
+/// The samples' colours in linear light from 0 to 1. Integers are shares of the largest of their type, other numbers of 255 if
+/// one is above 1.
+fn colours(loaded: &Loaded) -> Result<Vec<[f64; 3]>, JobError> {
+    let table = &loaded.input.table;
+    let families =
+        [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+    let has = |name: &&str| table.column(name).is_some();
+    let family = families.into_iter().find(|family| family.iter().all(has)).unwrap_or(families[0]);
+    let mut columns = Vec::new();
+    for name in family {
+        columns.push((loaded.column(name)?, table.column(name).map(|column| &column.data)));
+    }
+    let whole = columns.iter().flat_map(|(values, _)| values).any(|&v| v > 1.0);
+    let most = |data: Option<&Data>| match data {
+        Some(Data::U16(_)) => 65_535.0,
+        Some(Data::U8(_)) => 255.0,
+        _ if whole => 255.0,
+        _ => 1.0,
+    };
+    let share = |(values, data): &(Vec<f64>, Option<&Data>), i: usize| {
+        f64::from(linear((values[i] / most(*data)) as f32))
+    };
+    Ok((0..table.rows()).map(|i| std::array::from_fn(|k| share(&columns[k], i))).collect())
+}
