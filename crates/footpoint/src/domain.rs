@@ -22,6 +22,8 @@ const LONGEST_STRETCH: f64 = 2.5;
 /// Directions nearer to a face than this are taken for this.
 const FLATTEST: f64 = 1e-12;
 const SHORTEST_STRETCH: f64 = 1e-3;
+/// What rounding may do to a way, in reaches.
+const TOUCH: f64 = 1e-6;
 /// Gaps shorter than this many reaches do not end a stretch: rays that graze would enter again and again.
 const GAP: f64 = 0.5;
 
@@ -115,7 +117,9 @@ struct Marked {
 impl Marked {
     fn stretch(&self, reach: f64, (from, to): (f64, f64)) -> Stretch {
         let Self { begin, core, end, cut } = *self;
-        let enters = begin > from;
+        // A ray that goes on at a face may seem to begin a rounding beyond it.
+        let enters = begin > from + TOUCH * reach;
+        let begin = if enters { begin } else { from };
         let first =
             if enters { core.min(begin + LATEST_BEGIN * reach).min(0.5 * (begin + end)) } else { begin };
         Stretch { begin, first, end, enters, exits: !cut && end < to, reach }
@@ -210,7 +214,8 @@ impl<const D: usize> Pyramid<D> {
             }
         }
         let entries = &mut entries[..count];
-        entries.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        // Of two that are entered at once, one is left at once.
+        entries.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         for &mut (enter, leave, near, i) in entries {
             let part = size / WIDTH as f64;
             if walk.through((self.storeys.len(), i), (near, part), (enter, leave)).is_break() {
@@ -304,7 +309,7 @@ impl<const D: usize> Walk<'_, D> {
             Some(run) if enter > run.end + gap => return ControlFlow::Break(()),
             Some(run) => run,
         };
-        run.end = leave;
+        run.end = run.end.max(leave);
         if core && run.core == f64::INFINITY {
             run.core = enter;
         }
@@ -462,8 +467,9 @@ mod tests {
         let mut found: Vec<Stretch> = Vec::new();
         let mut from = 0.0;
         while let Some(stretch) = domain.stretch(line, (from, f64::INFINITY)) {
-            assert!(stretch.begin >= from && stretch.end > from && stretch.begin <= stretch.first);
-            assert!(stretch.first <= stretch.end);
+            assert!(stretch.begin >= from && stretch.end > from, "{stretch:?} from {from}");
+            assert!(stretch.begin <= stretch.first, "{stretch:?}");
+            assert!(stretch.first <= stretch.end, "{stretch:?}");
             from = stretch.end;
             found.push(stretch);
             assert!(found.len() < 10_000, "no progress");

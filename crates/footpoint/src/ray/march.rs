@@ -23,8 +23,10 @@ use crate::lane::Precision;
 use crate::status::Status;
 use crate::surface::Surface;
 
-const PULL: f64 = 1.5;
+const PULL: f64 = 2.0;
 const BEND: f64 = 1.0;
+/// Frames of a smaller gap may turn at once.
+const SOUND_GAP: f64 = 0.5;
 /// Where f bends more than this from one point to the next, neither tells of the way between.
 const STRANGE: f64 = 2.0;
 
@@ -126,7 +128,7 @@ impl<const D: usize> Known<D> {
         let value = local.value;
         let slope = dot(local.gradient, direction);
         let is_zero = value.abs() <= rules.tolerance * support;
-        let is_sound = gap >= rules.least_gap && local.across() <= rules.limit * support;
+        let is_sound = gap >= rules.least_gap.max(SOUND_GAP) && local.across() <= rules.limit * support;
         Self { way, value, slope, free, is_zero, is_sound, support, gap, normal }
     }
 
@@ -241,7 +243,7 @@ impl<const D: usize> March<D> {
     pub(super) fn after(&self) -> f64 {
         let Stretch { end, exits, reach, .. } = self.stretch;
         // A little farther than rounding may lead back.
-        if exits { end + 1e-6 * reach } else { end }
+        if exits { end + 2e-6 * reach } else { end }
     }
 
     /// Whether it used up its evaluations.
