@@ -12,6 +12,7 @@ mod contest;
 mod machine;
 mod notes;
 mod peers;
+mod rays;
 mod scaling;
 mod speed;
 mod study;
@@ -42,6 +43,8 @@ enum Part {
     },
     /// Cost against size.
     Scaling,
+    /// Hits a second.
+    Rays,
     /// Other programs on the same points.
     Peers {
         /// Only these groups of jobs.
@@ -84,6 +87,7 @@ fn run(arguments: &Arguments) -> Result<ExitCode, String> {
     let (part, mut record) = match &arguments.part {
         Part::Speed { groups } => ("speed", speed::speed(&cases, groups, arguments.repeats)?),
         Part::Scaling => ("scaling", scaling::scaling()),
+        Part::Rays => ("rays", rays::rays(&cases, arguments.repeats)?),
         Part::Peers { groups, peers, folder } => {
             ("peers", peers::peers(&cases, groups, peers, folder, arguments.repeats)?)
         }

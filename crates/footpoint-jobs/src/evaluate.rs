@@ -58,9 +58,9 @@ pub fn evaluate(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("evaluate", context.recipe.clone());
-    let loaded = Loaded::read(cloud, &mut report.times)?;
+    let loaded = Loaded::read(cloud, &mut report)?;
     report.inputs.push(loaded.report());
-    let mut at = Loaded::read(queries, &mut report.times)?;
+    let mut at = Loaded::read(queries, &mut report)?;
     report.inputs.push(at.report());
     at.drop_own_status();
     check_table(output, &at.input.table)?;

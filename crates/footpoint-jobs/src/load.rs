@@ -1,6 +1,6 @@
 //! From a file to a cloud: which columns hold what.
 
-use crate::clock::{Times, timed};
+use crate::clock::timed;
 use crate::output::drop_own_status;
 use crate::report::{InputReport, NoiseSource, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError};
@@ -19,11 +19,17 @@ pub(crate) struct Loaded {
 }
 
 impl Loaded {
-    /// Reads a file and finds its coordinates and normals.
-    pub(crate) fn read(path: &Path, times: &mut Times) -> Result<Self, JobError> {
-        let input = timed(&mut times.read, || footpoint_io::read(path))?;
-        let roles = Roles::find(&input.table)
-            .map_err(|problem| JobError::Roles { path: path.to_owned(), problem })?;
+    /// Reads a file, leaves out what the recipe drops, and finds coordinates and normals.
+    pub(crate) fn read(path: &Path, report: &mut Report) -> Result<Self, JobError> {
+        let mut input = timed(&mut report.times.read, || footpoint_io::read(path))?;
+        let find = |input: &Input| {
+            Roles::find(&input.table).map_err(|problem| JobError::Roles { path: path.to_owned(), problem })
+        };
+        let mut roles = find(&input)?;
+        if !report.recipe.drop.is_empty() {
+            drop_columns(&mut input, &roles, &report.recipe.drop);
+            roles = find(&input)?;
+        }
         Ok(Self { input, roles, path: path.display().to_string() })
     }
 
@@ -197,6 +203,30 @@ pub(crate) fn surface_of_cloud<const D: usize>(
     report.surface = Some(SurfaceReport { degree_choice, ..SurfaceReport::of(&surface) });
     Ok(surface)
 }
+
+/// Leaves out columns by name, and the normals, whatever they are called, by `normals`.
+fn drop_columns(input: &mut Input, roles: &Roles, names: &[String]) {
+    let table = &mut input.table;
+    let mut dropped: Vec<usize> = Vec::new();
+    for name in names {
+        let before = dropped.len();
+        dropped.extend((0..table.columns.len()).filter(|&i| table.columns[i].name == *name));
+        if name == NORMALS {
+            dropped.extend(roles.normals.iter().flatten());
+        }
+        if dropped.len() == before {
+            input.report.notes.push(format!("nothing named `{name}` to drop"));
+        }
+    }
+    let mut place = 0;
+    table.columns.retain(|_| {
+        place += 1;
+        !dropped.contains(&(place - 1))
+    });
+}
+
+/// The name of a sample's normal, whatever its columns are called.
+const NORMALS: &str = "normals";
 
 impl Context<'_> {
     /// The definition; a column of supports, where one is named, overrides its rule.

@@ -43,7 +43,7 @@ pub fn normals(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("normals", context.recipe.clone());
-    let mut loaded = Loaded::read(input, &mut report.times)?;
+    let mut loaded = Loaded::read(input, &mut report)?;
     report.inputs.push(loaded.report());
     loaded.drop_own_status();
     check_table(output, &loaded.input.table)?;

@@ -73,7 +73,7 @@ pub fn orient(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("orient", context.recipe.clone());
-    let mut loaded = Loaded::read(input, &mut report.times)?;
+    let mut loaded = Loaded::read(input, &mut report)?;
     report.inputs.push(loaded.report());
     loaded.drop_own_status();
     check_table(output, &loaded.input.table)?;
@@ -140,7 +140,7 @@ impl<const D: usize> Columns<D> {
             }
             OrientBy::Trajectory { path, time_column } => {
                 columns.times = loaded.column(time_column)?;
-                let positions = Loaded::read(path, &mut report.times)?;
+                let positions = Loaded::read(path, report)?;
                 report.inputs.push(positions.report());
                 loaded.check_dimension(&positions)?;
                 columns.path = positions.column(time_column)?.into_iter().zip(positions.points()).collect();

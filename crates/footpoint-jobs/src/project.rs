@@ -22,11 +22,11 @@ pub fn project(
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("project", context.recipe.clone());
     report.recipe.project.get_or_insert_default();
-    let mut points = Loaded::read(input, &mut report.times)?;
+    let mut points = Loaded::read(input, &mut report)?;
     report.inputs.push(points.report());
     points.drop_own_status();
     check_table(output, &points.input.table)?;
-    let onto = onto.map(|path| Loaded::read(path, &mut report.times)).transpose()?;
+    let onto = onto.map(|path| Loaded::read(path, &mut report)).transpose()?;
     if let Some(onto) = &onto {
         report.inputs.push(onto.report());
         onto.check_dimension(&points)?;

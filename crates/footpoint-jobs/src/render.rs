@@ -134,12 +134,12 @@ pub fn render(
         }
     }
     let mut report = Report::new("render", context.recipe.clone());
-    let loaded = Loaded::read(input, &mut report.times)?;
+    let loaded = Loaded::read(input, &mut report)?;
     report.inputs.push(loaded.report());
     loaded.check_space()?;
     let other = match &plan.show {
         Show::Distance(path) => {
-            let other = Loaded::read(path, &mut report.times)?;
+            let other = Loaded::read(path, &mut report)?;
             report.inputs.push(other.report());
             loaded.check_dimension(&other)?;
             Some(other.surface::<3>(context, &mut report)?)

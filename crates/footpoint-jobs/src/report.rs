@@ -68,6 +68,9 @@ pub struct Recipe {
     /// Column of factors.
     #[serde(default)]
     pub factor_column: Option<String>,
+    /// Columns that are left out as if the files had none of that name; `normals` for those that hold normals.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drop: Vec<String>,
     /// Where the noise of the samples is from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseSource>,

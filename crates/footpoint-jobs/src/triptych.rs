@@ -29,7 +29,7 @@ pub fn triptych(
     let mut report = Report::new("figure", context.recipe.clone());
     let (surface, name) = match input {
         Some(path) => {
-            let loaded = Loaded::read(path, &mut report.times)?;
+            let loaded = Loaded::read(path, &mut report)?;
             report.inputs.push(loaded.report());
             loaded.check_space()?;
             (loaded.surface::<3>(context, &mut report)?, path.display().to_string())

@@ -226,7 +226,7 @@ impl Extent {
     }
 
     /// The automatic view: from the front, right and above, if at least 1/1.1 as many samples are seen from there as from any
-    /// of the 26 directions to the sides, edges and corners of a cube; else from the one with most. A thin sheet is seen as well
+    /// of the 26 directions to the sides, edges and corners of a cube that do not look up; else from the one with most. A thin sheet is seen as well
     /// from behind: of two opposite directions that show alike the one is taken that most normals face or, without
     /// normals, that the sheet bulges toward, as what a scanner saw does.
     pub fn automatic(&self, up: [f64; 3]) -> [f64; 3] {
@@ -237,7 +237,9 @@ impl Extent {
             for b in [1.0, 0.0, -1.0] {
                 for c in [1.0, 0.0, -1.0] {
                     let way = sum(scale(right, a), scale(front, b), scale(up, c));
-                    if length(way) > 0.5 {
+                    // Straight from below is the front of what was made with another axis upward.
+                    let looks_up = c < 0.0 && (a != 0.0 || b != 0.0);
+                    if length(way) > 0.5 && !looks_up {
                         let seen = self.seen(way);
                         if seen > best.1 {
                             best = (way, seen);

@@ -27,6 +27,9 @@ pub(crate) struct Common {
     /// Column of factors that multiply the weights (area, confidence)
     #[arg(long, value_name = "NAME")]
     factor_column: Option<String>,
+    /// Columns to leave out, by commas, as if the files had none of that name; `normals` for nx ny nz
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    drop: Vec<String>,
     /// Noise of the samples, for sigma: one standard deviation in the unit of the file, a column of them (or covariances,
     /// in columns NAME_xx, NAME_xy …), or `auto`
     #[arg(long, value_name = "SIGMA|NAME|auto", allow_negative_numbers = true)]
@@ -194,6 +197,9 @@ impl Common {
         }
         if self.factor_column.is_some() {
             recipe.factor_column.clone_from(&self.factor_column);
+        }
+        if !self.drop.is_empty() {
+            recipe.drop.clone_from(&self.drop);
         }
         if let Some(noise) = &self.noise {
             recipe.noise = Some(NoiseSource::of(noise));
