@@ -159,17 +159,17 @@ fn columns_of_the_input_with_the_names_of_results_are_kept() {
 #[test]
 fn dropped_columns_are_as_if_they_had_not_been_there() {
     let folder = Folder::new();
-    let sphere = footpoint::samples::sphere(1.0, 500, 1);
+    let sphere = sphere(1.0, 500, 1);
     let mut text = String::from("x y z nx ny nz weight\n");
     for ([x, y, z], [a, b, c]) in sphere.points.iter().zip(&sphere.normals) {
         text += &format!("{x} {y} {z} {a} {b} {c} 2\n");
     }
     folder.write("sphere.xyz", &text);
     let kept = folder.report("normals sphere.xyz -o kept.xyz");
-    assert!(kept["inputs"][0]["normals"] == true && kept["recipe"].get("drop").is_none());
+    assert!(kept["inputs"][0]["normals"] == true && kept.get("drop").is_none());
     let report = folder.report("normals sphere.xyz --drop normals,weight,none -o dropped.xyz");
     assert_eq!(report["inputs"][0]["normals"], false);
-    assert_eq!(report["recipe"]["drop"], serde_json::json!(["normals", "weight", "none"]));
+    assert_eq!(report["drop"], serde_json::json!(["normals", "weight", "none"]));
     let notes = report["inputs"][0]["notes"].to_string();
     assert!(notes.contains("nothing named `none` to drop") && !notes.contains("`weight`"), "{notes}");
     let header = |name: &str| folder.text(name).lines().next().unwrap().to_owned();

@@ -95,6 +95,8 @@ mod pages {
     struct Definitions;
     #[doc = include_str!("../../../docs/degrees.md")]
     struct Degrees;
+    #[doc = include_str!("../../../docs/rays.md")]
+    struct Rays;
     #[doc = include_str!("../../../docs/sensitivity.md")]
     struct Sensitivity;
 }
