@@ -85,16 +85,6 @@ impl<'s, const D: usize> Evaluator<'s, D> {
         Self { grid, task, work }
     }
 
-    /// Gathers candidates for these positions and what lies between them, if that is not too far apart: for positions that
-    /// are soon to move there.
-    pub(crate) fn expect(&mut self, positions: &[Position<D>]) {
-        let Self { grid, task, work } = self;
-        match work {
-            Work::Double(batch) => _ = covers_all((grid, task), batch, positions),
-            Work::Single(batch) => _ = covers_all((grid, task), batch, positions),
-        }
-    }
-
     /// Evaluates positions, which the grid holds; `take` gets the place of each and its answers, and `announce` their places
     /// some time before.
     pub(crate) fn evaluate(
@@ -118,11 +108,23 @@ fn evaluate<N: Culled, const D: usize>(
     (first, positions): (usize, &[Position<D>]),
     take: &mut impl FnMut(usize, &Answers<D>, usize),
 ) {
-    if !covers_all((grid, task), batch, positions) {
-        let (left, right) = positions.split_at(positions.len() / 2);
-        evaluate((grid, task, announce), batch, (first, left), take);
-        evaluate((grid, task, announce), batch, (first + left.len(), right), take);
-        return;
+    let extent = Extent::around(positions.iter().map(|position| taken_at::<N, D>(position).0));
+    if !batch.candidates.covers(&extent) {
+        let side = grid.typical_side();
+        if extent.longest_side() > (LONGEST_SIDE - 2.0 * MARGIN) * side && positions.len() > 1 {
+            let (left, right) = positions.split_at(positions.len() / 2);
+            evaluate((grid, task, announce), batch, (first, left), take);
+            evaluate((grid, task, announce), batch, (first + left.len(), right), take);
+            return;
+        }
+        let margin = if task.moved { MARGIN * side } else { 0.0 };
+        batch.candidates.gather(
+            grid,
+            extent.widened(margin),
+            task.weight.reach(),
+            task.needs_general_columns(),
+            task.level,
+        );
     }
     let mut taken = 0;
     while taken < positions.len() {
@@ -136,24 +138,4 @@ fn evaluate<N: Culled, const D: usize>(
             }
         }
     }
-}
-
-/// Gathers candidates that cover the positions unless it has them; false where these are too far apart.
-fn covers_all<N: Culled, const D: usize>(
-    (grid, task): (&Grid<D>, &Task),
-    batch: &mut Batch<N, D>,
-    positions: &[Position<D>],
-) -> bool {
-    let extent = Extent::around(positions.iter().map(|position| taken_at::<N, D>(position).0));
-    if batch.candidates.covers(&extent) {
-        return true;
-    }
-    let side = grid.typical_side();
-    if extent.longest_side() > (LONGEST_SIDE - 2.0 * MARGIN) * side && positions.len() > 1 {
-        return false;
-    }
-    let margin = if task.moved { MARGIN * side } else { 0.0 };
-    let (reach, general) = (task.weight.reach(), task.needs_general_columns());
-    batch.candidates.gather(grid, extent.widened(margin), reach, general, task.level);
-    true
 }

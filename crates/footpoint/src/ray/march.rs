@@ -9,7 +9,9 @@
 //!
 //! The part between two points is clear of zeros where their ways meet. If values and slopes at its ends say that f bends
 //! more than assumed, the bend is taken from them; where it bends by more than `STRANGE`/h, and where frames are not within
-//! 60° of each other, they decide nothing. A part that is not clear is halved, down to h/64; one over which f changes its sign (n carried along) is narrowed until |f| ≤ T h.
+//! 60° of each other, they decide nothing. A part that is not clear is halved, down to h/100; one over which f changes its
+//! sign (n carried along) is narrowed until |f| ≤ T h.
+//!
 //! Nothing bounds the derivatives of f where the gap vanishes, so this is a rule that was measured, not proved: against
 //! dense sampling it loses no hit on clean clouds.
 
@@ -23,25 +25,24 @@ use crate::lane::Precision;
 use crate::status::Status;
 use crate::surface::Surface;
 
+/// How fast |a − x| is taken to change along a ray.
 const PULL: f64 = 2.0;
+/// How much f is taken to bend, in 1/h, where the gap is 1.
 const BEND: f64 = 1.0;
 /// Frames of a smaller gap may turn at once.
 const SOUND_GAP: f64 = 0.5;
 /// Where f bends more than this from one point to the next, neither tells of the way between.
 const STRANGE: f64 = 2.0;
-
 /// Frames whose normals agree less than this have nothing to say about each other's sign: 60°.
 const AGREEMENT: f64 = 0.5;
 /// Parts shorter than this many supports are taken for clear.
 const SHORTEST: f64 = 0.01;
-
 /// Longest step, in supports: no sheet lies between two points without being within reach of one of them. Behind a zero the
 /// next sheet may be near.
 const LONGEST: f64 = 1.0;
 const LONGEST_BEHIND_ZERO: f64 = 0.4;
 /// How far a step goes beyond what its beginning speaks for: its end speaks for some way back.
 const AHEAD: f64 = 1.6;
-
 /// Marches longer than this many reaches are broken off and begun anew, in a group of rays that are near there.
 const FARTHEST: f64 = 12.0;
 /// Evaluations along one march, at most.
@@ -228,12 +229,6 @@ impl<const D: usize> March<D> {
         Position { anchor: self.anchor, offset: scale(self.direction, self.target) }
     }
 
-    /// Where the zero may well be, if all goes well.
-    pub(super) fn likely_position(&self) -> Position<D> {
-        let way = self.target + 0.6 * self.stretch.reach;
-        Position { anchor: self.anchor, offset: scale(self.direction, way) }
-    }
-
     /// A point of the ray.
     pub(super) fn point_at(&self, way: f64) -> [f64; D] {
         add_scaled(self.anchor, self.direction, way)
@@ -383,7 +378,8 @@ impl<const D: usize> March<D> {
 
     /// How far ahead of a settled point to look.
     fn step(&self, left: &Known<D>) -> f64 {
-        let h = left.support;
+        // Hostile clouds may leave no number here.
+        let h = if left.support > 0.0 { left.support } else { self.stretch.reach };
         let longest = h * if left.is_zero { LONGEST_BEHIND_ZERO } else { LONGEST };
         if left.has_value() && !left.is_zero {
             let newton = -left.value / left.slope;
@@ -392,7 +388,7 @@ impl<const D: usize> March<D> {
             }
         }
         let way = left.free.max(left.steady(1.0, BEND));
-        (AHEAD * way).clamp(0.25 * h, longest)
+        (AHEAD * way).max(0.25 * h).min(longest)
     }
 }
 

@@ -222,10 +222,7 @@ fn in_step<const D: usize>(
     };
     let mut marches: Vec<March<D>> = places.iter().zip(starts).map(start).collect();
     let mut under_way: Vec<usize> = (0..marches.len()).collect();
-    let mut positions: Vec<Position<D>> = Vec::with_capacity(2 * marches.len());
-    positions.extend(marches.iter().map(|march| march.position()));
-    positions.extend(marches.iter().map(|march| march.likely_position()));
-    evaluator.expect(&positions);
+    let mut positions = Vec::with_capacity(marches.len());
     while !under_way.is_empty() {
         positions.clear();
         positions.extend(under_way.iter().map(|&i| marches[i].position()));

@@ -2,6 +2,7 @@
 
 mod dense;
 mod hits;
+mod hostile;
 mod options;
 mod scan;
 mod sheets;
