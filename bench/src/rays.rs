@@ -17,7 +17,7 @@ const NEIGHBOURS: Neighbours = Neighbours { mean: 30.0, tolerance: 0.5 };
 /// Million hits a second.
 const TARGETS: [(Precision, f64, f64); 2] = [(Precision::Double, 0.8, 1.5), (Precision::Single, 1.2, 2.5)];
 /// The march alone: as near as this the zero is only approached.
-const COARSE: f64 = 0.1;
+const COARSE: f64 = 1e-2;
 /// Largest mean distance of hits from the torus in units of h, and largest share of pixels that may be hit otherwise than
 /// the torus itself is: its silhouette moves by the bias and by the noise.
 const FARTHEST: f64 = 0.12;

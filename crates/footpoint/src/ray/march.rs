@@ -297,10 +297,13 @@ impl<const D: usize> March<D> {
             };
             let width = right.way - left.way;
             let h = right.support.min(left.support);
+            // Nearer than this to a zero, f is within the tolerance on both sides of it.
+            let beside_zero = left.is_zero || right.is_zero;
+            let least = if beside_zero { (8.0 * rules.tolerance).max(rules.finest) } else { rules.finest };
             match between(left, right, rules) {
                 Part::Clear => {}
-                Part::Bracket { value, slope } if width > rules.finest * h => {
-                    let share = if left.is_zero || right.is_zero || self.tries % 3 == 2 {
+                Part::Bracket { value, slope } if width > least * h => {
+                    let share = if beside_zero || self.tries % 3 == 2 {
                         0.5
                     } else {
                         root([left.value, left.slope * width, value, slope * width])
