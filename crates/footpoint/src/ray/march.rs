@@ -30,7 +30,7 @@ const PULL: f64 = 2.0;
 /// How much f is taken to bend, in 1/h, where the gap is 1.
 const BEND: f64 = 1.0;
 /// Frames of a smaller gap may turn at once.
-const SOUND_GAP: f64 = 0.5;
+const SOUND_GAP: f64 = 0.25;
 /// Where f bends more than this from one point to the next, neither tells of the way between.
 const STRANGE: f64 = 2.0;
 /// Frames whose normals agree less than this have nothing to say about each other's sign: 60°.
