@@ -5,6 +5,7 @@ use crate::field::NormalField;
 use crate::lane::Precision;
 use crate::polynomial::HIGHEST;
 use crate::run::Cancelled;
+use crate::status::Status;
 use crate::support::{Support, SupportError};
 use crate::weight::Weight;
 
@@ -211,6 +212,26 @@ impl Definition {
             NormalField::Covariance => self.weight.boundary_limit_about_x(D),
             _ => self.weight.boundary_limit(),
         })
+    }
+
+    /// The rule of SPEC § 8 for a zero of f at which a frame exists: its gap, n·∇f, and the part of a − x across n with the
+    /// support that it is measured in.
+    pub(crate) fn verdict<const D: usize>(
+        &self,
+        gap: f64,
+        alignment: f64,
+        (across, support): (f64, f64),
+    ) -> Status {
+        let rule = self.acceptance;
+        if gap < rule.gap {
+            Status::Degenerate
+        } else if alignment < rule.alignment || alignment.is_nan() {
+            Status::Singular
+        } else if across > self.boundary_limit::<D>() * support {
+            Status::Boundary
+        } else {
+            Status::Ok
+        }
     }
 
     pub(crate) fn check(&self) -> Result<(), DefinitionError> {

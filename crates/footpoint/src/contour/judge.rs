@@ -49,13 +49,12 @@ impl<'r> Judge<'r> {
             | Want::ECCENTRICITY;
         self.evaluations += points.len();
         let e = self.running.evaluate(Queries::Points(points), want)?;
-        let rule = self.running.surface.definition().acceptance();
+        let definition = self.running.surface.definition();
         let seen = |i: usize| {
             let (normal, gradient, ok) = (e.frame_normal[i], e.gradient[i], e.status[i].is_ok());
-            let is_accepted = ok
-                && e.gap[i] >= rule.gap
-                && dot(normal, gradient) >= rule.alignment
-                && e.eccentricity[i] <= self.boundary;
+            let alignment = dot(normal, gradient);
+            let is_accepted =
+                ok && definition.verdict::<2>(e.gap[i], alignment, (e.eccentricity[i], 1.0)).is_ok();
             Seen {
                 value: if ok { e.value[i] } else { f64::NAN },
                 normal,

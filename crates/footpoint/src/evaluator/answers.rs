@@ -266,17 +266,17 @@ impl<const D: usize> Local<D> {
 
     /// The rule of SPEC § 8, for a position where f vanishes.
     pub(crate) fn acceptance(&self, definition: &Definition) -> Status {
-        let rule = definition.acceptance();
-        if !self.status.is_ok() {
-            self.status
-        } else if self.gap < rule.gap {
-            Status::Degenerate
-        } else if self.alignment() < rule.alignment || self.alignment().is_nan() {
-            Status::Singular
-        } else if self.across() > definition.boundary_limit::<D>() * self.support {
-            Status::Boundary
-        } else {
-            Status::Ok
+        match self.status {
+            Status::Ok => definition.verdict::<D>(self.gap, self.alignment(), (self.across(), self.support)),
+            status => status,
+        }
+    }
+
+    /// The same for an answer that has a surface normal.
+    pub(crate) fn verdict(&self, definition: &Definition) -> Status {
+        match self.acceptance(definition) {
+            Status::Ok if !self.has_surface_normal() => Status::Singular,
+            verdict => verdict,
         }
     }
 }

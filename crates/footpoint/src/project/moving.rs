@@ -95,10 +95,7 @@ impl<const D: usize> Moving<D> {
         if !self.status.is_ok() {
             return self.status;
         }
-        match self.local.acceptance(&surface.definition) {
-            Status::Ok if !self.local.has_surface_normal() => Status::Singular,
-            verdict => verdict,
-        }
+        self.local.verdict(&surface.definition)
     }
 
     fn distance(&self, sign: Sign) -> f64 {

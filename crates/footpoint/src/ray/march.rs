@@ -59,6 +59,7 @@ pub(super) struct Rules<'s, const D: usize> {
     limit: f64,
     /// h for a ball of radius one.
     scale_of_reach: f64,
+    /// Of a frame that tells of the way around.
     least_gap: f64,
     signed: bool,
     /// Brackets shorter than this many supports hold nothing that can be told apart.
@@ -80,7 +81,7 @@ impl<'s, const D: usize> Rules<'s, D> {
             any: how.sought == Sought::Any,
             limit: definition.boundary_limit::<D>() + if averaged { 0.0 } else { 0.2 },
             scale_of_reach: 1.0 / definition.weight().reach(),
-            least_gap: definition.acceptance().gap,
+            least_gap: definition.acceptance().gap.max(SOUND_GAP),
             signed: definition.field() == NormalField::AveragedNormals,
             finest,
         }
@@ -129,7 +130,7 @@ impl<const D: usize> Known<D> {
         let value = local.value;
         let slope = dot(local.gradient, direction);
         let is_zero = value.abs() <= rules.tolerance * support;
-        let is_sound = gap >= rules.least_gap.max(SOUND_GAP) && local.across() <= rules.limit * support;
+        let is_sound = gap >= rules.least_gap && local.across() <= rules.limit * support;
         Self { way, value, slope, free, is_zero, is_sound, support, gap, normal }
     }
 
@@ -187,7 +188,7 @@ pub(super) struct March<const D: usize> {
     /// Points beyond, the nearest last.
     pending: Vec<Known<D>>,
     /// What is known at the zeros among these.
-    zeros: Vec<(f64, Local<D>)>,
+    zeros: Vec<Local<D>>,
     target: f64,
     tries: u32,
     /// Whether a zero at the very beginning counts.
@@ -255,22 +256,18 @@ impl<const D: usize> March<D> {
             Known::new(self.target, &local, self.direction, rules)
         };
         if known.is_zero {
-            self.zeros.push((known.way, local));
+            self.zeros.push(local);
         }
-        if rules.any && known.is_zero && (self.begun || self.inclusive) && self.passes(rules) {
-            return Next::Hit(known.way, local);
-        }
+        let is_wanted = if self.begun { rules.any } else { self.inclusive };
+        let is_hit = known.is_zero && is_wanted && self.passes(rules);
         if self.begun {
             self.pending.push(known);
         } else {
             self.begun = true;
             self.left = known;
-            if known.is_zero && self.inclusive && self.passes(rules) {
-                return Next::Hit(known.way, local);
-            }
             self.zeros.clear();
         }
-        self.proceed(Some(&local), rules)
+        if is_hit { Next::Hit(known.way, local) } else { self.proceed(Some(&local), rules) }
     }
 
     /// Goes on as far as what is known allows. `latest` is what was found by an evaluation just now.
@@ -318,7 +315,7 @@ impl<const D: usize> March<D> {
                     let latest = latest.filter(|_| converged && !left.is_zero && !right.is_zero);
                     if let Some(&local) = latest {
                         right.is_zero = true;
-                        self.zeros.push((right.way, local));
+                        self.zeros.push(local);
                     }
                 }
                 Part::Unclear if width > SHORTEST * h => {
@@ -337,8 +334,8 @@ impl<const D: usize> March<D> {
             self.pending.pop();
             if self.left.is_zero {
                 let hit = !repeats && self.passes(rules);
-                if let Some((way, local)) = self.zeros.pop().filter(|_| hit) {
-                    return Next::Hit(way, local);
+                if let Some(local) = self.zeros.pop().filter(|_| hit) {
+                    return Next::Hit(self.left.way, local);
                 }
             }
         }
@@ -368,11 +365,8 @@ impl<const D: usize> March<D> {
 
     /// Whether the nearest zero belongs to the surface; if not, the reason is kept.
     fn passes(&mut self, rules: &Rules<'_, D>) -> bool {
-        let Some((_, zero)) = self.zeros.last() else { return false };
-        let verdict = match zero.acceptance(rules.surface.definition()) {
-            Status::Ok if !zero.has_surface_normal() => Status::Singular,
-            verdict => verdict,
-        };
+        let Some(zero) = self.zeros.last() else { return false };
+        let verdict = zero.verdict(rules.surface.definition());
         if !verdict.is_ok() {
             self.rejected.get_or_insert(verdict);
         }

@@ -194,8 +194,8 @@ fn through_group<const D: usize>(
     entered: &[Entered],
     batch: &Batch<'_, D>,
 ) -> Gathered<D> {
-    let room = || group.rows.len();
-    let mut found = Gathered { hits: Vec::with_capacity(room()), rests: Vec::with_capacity(room()) };
+    let room = group.rows.len();
+    let mut found = Gathered { hits: Vec::with_capacity(room), rests: Vec::with_capacity(room) };
     for &place in &group.invalid {
         let (ray, rejected) = (entered[place as usize].waiting.ray, Some(Status::Invalid));
         found.rests.push(Rest { ray, evaluations: 0, rejected, from: None, spent: false });
