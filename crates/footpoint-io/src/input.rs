@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use crate::format::{TextKind, extension_inside, unsupported};
+use crate::roles::{Roles, RolesError};
 use crate::source::Source;
-use crate::{Format, PlyError, Table, TextError, ply, text};
+use crate::{Bounds, Format, PlyError, ReadOptions, Table, TextError, ply, text};
 
 /// A file that has been read.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +72,12 @@ pub enum ReadProblem {
     /// A PLY file that breaks its own rules.
     #[error("{0}")]
     Ply(#[from] PlyError),
+    /// Its points have no coordinates to choose by.
+    #[error("{0}")]
+    Roles(#[from] RolesError),
+    /// The watch ended reading.
+    #[error("reading was stopped")]
+    Stopped,
     /// A text file without a clear table.
     #[error("{0}")]
     Text(#[from] TextError),
@@ -83,19 +90,45 @@ pub enum ReadProblem {
 /// Fails, with path and place, on a file that cannot be opened, is cut short, contradicts itself, or is of
 /// a format not supported. Never reserves more memory than the file's bytes can fill.
 pub fn read(path: &Path) -> Result<Input, ReadError> {
-    read_any(path).map_err(|problem| ReadError { path: path.to_owned(), problem: Box::new(problem) })
+    read_with(path, &ReadOptions::default())
 }
 
-fn read_any(path: &Path) -> Result<Input, ReadProblem> {
+/// [`read`] of a part, or with someone to tell how far it has come.
+pub fn read_with(path: &Path, options: &ReadOptions<'_>) -> Result<Input, ReadError> {
+    let read = read_any(path, options).and_then(|mut input| match options.within {
+        Some(bounds) => keep_within(&mut input, &bounds).map(|()| input),
+        None => Ok(input),
+    });
+    read.map_err(|problem| ReadError { path: path.to_owned(), problem: Box::new(problem) })
+}
+
+/// Leaves out the points outside a box.
+fn keep_within(input: &mut Input, bounds: &Bounds) -> Result<(), ReadProblem> {
+    let table = &mut input.table;
+    let roles = Roles::find(table)?;
+    let inside: Vec<bool> = match roles.points::<3>(table) {
+        Some(points) => points.into_iter().map(|p| bounds.contains(p)).collect(),
+        None => {
+            let flat = roles.points::<2>(table).unwrap_or_default();
+            // A box of points in the plane has any height.
+            flat.into_iter().map(|[x, y]| bounds.contains([x, y, bounds.low[2]])).collect()
+        }
+    };
+    table.columns.iter_mut().for_each(|column| column.data.keep(&inside));
+    Ok(())
+}
+
+fn read_any(path: &Path, options: &ReadOptions<'_>) -> Result<Input, ReadProblem> {
     if path.is_dir() {
         return Err(ReadProblem::Folder);
     }
-    let (mut source, head) = Source::open(path)?;
+    let (mut source, head) = Source::open(path, options.watch)?;
     if head.is_empty() {
         return Err(ReadProblem::Empty);
     }
     if ply::is_ply(&head) {
-        let (table, encoding, report) = ply::read(&mut source, &head)?;
+        let read = ply::read(&mut source, &head);
+        let (table, encoding, report) = unless_stopped(&source, read)?;
         return Ok(Input { table, format: Format::Ply(encoding), report });
     }
     let extension = extension_inside(path);
@@ -106,6 +139,14 @@ fn read_any(path: &Path) -> Result<Input, ReadProblem> {
         return Err(ReadProblem::NotPly);
     }
     let kind = TextKind::from_extension(&extension).unwrap_or(TextKind::Txt);
-    let (table, report) = text::read(&mut source, &head, kind)?;
+    let read = text::read(&mut source, &head, kind);
+    let (table, report) = unless_stopped(&source, read)?;
     Ok(Input { table, format: Format::Text, report })
+}
+
+fn unless_stopped<T, E: Into<ReadProblem>>(
+    source: &Source<'_>,
+    read: Result<T, E>,
+) -> Result<T, ReadProblem> {
+    if source.is_stopped() { Err(ReadProblem::Stopped) } else { read.map_err(E::into) }
 }

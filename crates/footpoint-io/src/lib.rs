@@ -29,6 +29,7 @@
 mod excerpt;
 mod format;
 mod input;
+mod options;
 mod output;
 mod ply;
 pub mod roles;
@@ -38,11 +39,12 @@ mod table;
 mod text;
 
 pub use format::{Encoding, Format};
-pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read};
+pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read, read_with};
+pub use options::{Bounds, ReadOptions, Watch};
 pub use output::{
     Overwrite, WriteError, WriteOptions, WriteProblem, check_file, check_table, check_writable, write,
     write_file,
 };
 pub use ply::PlyError;
-pub use table::{Column, Data, Table};
+pub use table::{Column, Data, Frame, Kept, Table, Unit};
 pub use text::TextError;

@@ -1,4 +1,4 @@
-//! The eight number types a column can have, with their PLY names and sizes.
+//! The ten number types a column can have, with their PLY names and sizes.
 
 use crate::Data;
 
@@ -10,6 +10,8 @@ pub(crate) enum Scalar {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -33,7 +35,7 @@ impl Scalar {
         })
     }
 
-    /// The older name family: every PLY reader knows it.
+    /// The older name family: every PLY reader knows it. PLY has no wide integers; doubles hold those up to 2⁵³.
     pub(crate) fn ply_name(self) -> &'static str {
         match self {
             Self::I8 => "char",
@@ -43,7 +45,7 @@ impl Scalar {
             Self::I32 => "int",
             Self::U32 => "uint",
             Self::F32 => "float",
-            Self::F64 => "double",
+            Self::I64 | Self::U64 | Self::F64 => "double",
         }
     }
 
@@ -53,7 +55,7 @@ impl Scalar {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
@@ -70,6 +72,8 @@ impl Scalar {
             Self::U16 => Data::U16(Vec::with_capacity(rows)),
             Self::I32 => Data::I32(Vec::with_capacity(rows)),
             Self::U32 => Data::U32(Vec::with_capacity(rows)),
+            Self::I64 => Data::I64(Vec::with_capacity(rows)),
+            Self::U64 => Data::U64(Vec::with_capacity(rows)),
             Self::F32 => Data::F32(Vec::with_capacity(rows)),
             Self::F64 => Data::F64(Vec::with_capacity(rows)),
         }
@@ -84,6 +88,8 @@ impl Scalar {
             Data::U16(_) => Self::U16,
             Data::I32(_) => Self::I32,
             Data::U32(_) => Self::U32,
+            Data::I64(_) => Self::I64,
+            Data::U64(_) => Self::U64,
             Data::F32(_) => Self::F32,
             Data::F64(_) => Self::F64,
             Data::Text(_) => return None,

@@ -3,44 +3,70 @@
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use flate2::bufread::MultiGzDecoder;
+
+use crate::Watch;
 
 const BUFFER: usize = 256 * 1024;
 /// Bytes looked at before the format is decided.
 const HEAD: u64 = 64 * 1024;
+/// Bytes from one word to the watch to the next.
+const TOLD: u64 = 1 << 20;
 
-pub(crate) struct Source {
+pub(crate) struct Source<'w> {
     reader: Box<dyn BufRead>,
     /// Bytes not yet read; `None` if nobody knows, as in a gzipped file.
     remaining: Option<u64>,
     line: u64,
+    /// Bytes of the file that have been read, unpacked or not.
+    passed: Arc<AtomicU64>,
+    /// Its size, if it has one.
+    size: Option<u64>,
+    watch: Option<&'w dyn Watch>,
+    /// Unpacked bytes until the watch is told again.
+    until_told: u64,
+    stopped: bool,
 }
 
-impl Source {
+impl<'w> Source<'w> {
     /// Opens `path`; the second value is its first bytes, which the source will give again.
-    pub(crate) fn open(path: &Path) -> io::Result<(Self, Vec<u8>)> {
+    pub(crate) fn open(path: &Path, watch: Option<&'w dyn Watch>) -> io::Result<(Self, Vec<u8>)> {
         let file = File::open(path)?;
         let metadata = file.metadata()?;
-        let mut reader = BufReader::with_capacity(BUFFER, file);
+        let passed = Arc::new(AtomicU64::new(0));
+        let counted = Counted { file, passed: Arc::clone(&passed) };
+        let mut reader = BufReader::with_capacity(BUFFER, counted);
+        let size = metadata.is_file().then_some(metadata.len());
         if reader.fill_buf()?.starts_with(&[0x1f, 0x8b]) {
             let unpacked = BufReader::with_capacity(BUFFER, MultiGzDecoder::new(reader));
-            Self::with_head(unpacked, None)
+            Self::with_head(unpacked, None, (passed, size, watch))
         } else {
-            Self::with_head(reader, metadata.is_file().then_some(metadata.len()))
+            Self::with_head(reader, size, (passed, size, watch))
         }
     }
 
-    fn with_head(mut reader: impl BufRead + 'static, remaining: Option<u64>) -> io::Result<(Self, Vec<u8>)> {
+    fn with_head(
+        mut reader: impl BufRead + 'static,
+        remaining: Option<u64>,
+        (passed, size, watch): (Arc<AtomicU64>, Option<u64>, Option<&'w dyn Watch>),
+    ) -> io::Result<(Self, Vec<u8>)> {
         let mut head = Vec::new();
         reader.by_ref().take(HEAD).read_to_end(&mut head)?;
         let reader = Box::new(Cursor::new(head.clone()).chain(reader));
-        Ok((Self { reader, remaining, line: 0 }, head))
+        Ok((Self { reader, remaining, line: 0, passed, size, watch, until_told: TOLD, stopped: false }, head))
     }
 
     /// Bytes left in the file, if known.
     pub(crate) fn remaining(&self) -> Option<u64> {
         self.remaining
+    }
+
+    /// Whether the watch ended reading.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stopped
     }
 
     /// The number of the line read last, from 1.
@@ -56,7 +82,7 @@ impl Source {
     pub(crate) fn read_line(&mut self, end: u8, line: &mut Vec<u8>) -> io::Result<bool> {
         line.clear();
         let read = self.reader.read_until(end, line)?;
-        self.passed(read);
+        self.passed(read)?;
         if read == 0 {
             return Ok(false);
         }
@@ -78,7 +104,7 @@ impl Source {
                 Err(error) => return Err(error),
             }
         }
-        self.passed(filled);
+        self.passed(filled)?;
         Ok(filled)
     }
 
@@ -92,15 +118,43 @@ impl Source {
             }
             let step = usize::try_from(wanted - skipped).unwrap_or(usize::MAX).min(available);
             self.reader.consume(step);
-            self.passed(step);
+            self.passed(step)?;
             skipped += step as u64;
         }
         Ok(skipped)
     }
 
-    fn passed(&mut self, bytes: usize) {
+    fn passed(&mut self, bytes: usize) -> io::Result<()> {
+        let bytes = bytes as u64;
         if let Some(remaining) = &mut self.remaining {
-            *remaining = remaining.saturating_sub(bytes as u64);
+            *remaining = remaining.saturating_sub(bytes);
         }
+        let Some(watch) = self.watch else { return Ok(()) };
+        if bytes < self.until_told {
+            self.until_told -= bytes;
+            return Ok(());
+        }
+        self.until_told = TOLD;
+        // Of a gzipped file, what is known is how much of the packed bytes have been read.
+        let done = self.passed.load(Ordering::Relaxed);
+        if watch.at(done, self.size.unwrap_or(done)).is_continue() {
+            return Ok(());
+        }
+        self.stopped = true;
+        Err(io::Error::other("stopped"))
+    }
+}
+
+/// A file that counts what is read of it.
+struct Counted {
+    file: File,
+    passed: Arc<AtomicU64>,
+}
+
+impl Read for Counted {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.file.read(buffer)?;
+        self.passed.fetch_add(read as u64, Ordering::Relaxed);
+        Ok(read)
     }
 }

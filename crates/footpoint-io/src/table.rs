@@ -8,7 +8,39 @@ pub struct Table {
     /// Comment lines without their mark; a PLY `obj_info` line keeps that word in front, so that it is
     /// written as `obj_info` again.
     pub comments: Vec<String>,
+    /// What the file says of its coordinates.
+    pub frame: Frame,
+    /// What only a file of the same format can hold, and is written back there.
+    pub kept: Option<Kept>,
 }
+
+/// What a file says of its coordinates.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Frame {
+    /// The coordinate reference system as the file states it: WKT, or `EPSG:` and a number.
+    pub crs: Option<String>,
+    /// The unit of `x` and `y`, where the file tells it.
+    pub unit: Option<Unit>,
+}
+
+/// A unit of coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Unit {
+    /// The metre.
+    Metre,
+    /// 0.3048 m.
+    Foot,
+    /// 1200/3937 m.
+    UsSurveyFoot,
+    /// Degrees of longitude and latitude: no length.
+    Degree,
+}
+
+/// What only a file of the same format can hold.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Kept {}
 
 /// One named column.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +66,10 @@ pub enum Data {
     I32(Vec<i32>),
     /// Unsigned 32-bit integers.
     U32(Vec<u32>),
+    /// Signed 64-bit integers.
+    I64(Vec<i64>),
+    /// Unsigned 64-bit integers.
+    U64(Vec<u64>),
     /// 32-bit floating point.
     F32(Vec<f32>),
     /// 64-bit floating point; every numeric column of a text file.
@@ -82,6 +118,8 @@ impl Data {
             Self::U16(v) => v.len(),
             Self::I32(v) => v.len(),
             Self::U32(v) => v.len(),
+            Self::I64(v) => v.len(),
+            Self::U64(v) => v.len(),
             Self::F32(v) => v.len(),
             Self::F64(v) => v.len(),
             Self::Text(v) => v.len(),
@@ -93,7 +131,29 @@ impl Data {
         self.len() == 0
     }
 
-    /// The values as 64-bit floating point, which holds each number type exactly; `None` for text.
+    /// Leaves out the values whose flag is not set.
+    pub(crate) fn keep(&mut self, flags: &[bool]) {
+        fn chosen<T>(values: &mut Vec<T>, flags: &[bool]) {
+            let mut flags = flags.iter();
+            values.retain(|_| flags.next().copied().unwrap_or(false));
+        }
+        match self {
+            Self::I8(v) => chosen(v, flags),
+            Self::U8(v) => chosen(v, flags),
+            Self::I16(v) => chosen(v, flags),
+            Self::U16(v) => chosen(v, flags),
+            Self::I32(v) => chosen(v, flags),
+            Self::U32(v) => chosen(v, flags),
+            Self::I64(v) => chosen(v, flags),
+            Self::U64(v) => chosen(v, flags),
+            Self::F32(v) => chosen(v, flags),
+            Self::F64(v) => chosen(v, flags),
+            Self::Text(v) => chosen(v, flags),
+        }
+    }
+
+    /// The values as 64-bit floating point, which holds every number exactly but integers beyond 2⁵³, and those to the
+    /// nearest; `None` for text.
     pub fn to_f64(&self) -> Option<Vec<f64>> {
         Some(match self {
             Self::I8(v) => v.iter().copied().map(f64::from).collect(),
@@ -102,6 +162,8 @@ impl Data {
             Self::U16(v) => v.iter().copied().map(f64::from).collect(),
             Self::I32(v) => v.iter().copied().map(f64::from).collect(),
             Self::U32(v) => v.iter().copied().map(f64::from).collect(),
+            Self::I64(v) => v.iter().map(|&n| n as f64).collect(),
+            Self::U64(v) => v.iter().map(|&n| n as f64).collect(),
             Self::F32(v) => v.iter().copied().map(f64::from).collect(),
             Self::F64(v) => v.clone(),
             Self::Text(_) => return None,

@@ -8,7 +8,7 @@ use footpoint_io::{Column, Data, Table};
 
 fn table(names: &[&str]) -> Table {
     let columns = names.iter().enumerate().map(|(i, name)| Column::new(*name, Data::I16(vec![i as i16, -1])));
-    Table { columns: columns.collect(), comments: Vec::new() }
+    Table { columns: columns.collect(), ..Table::default() }
 }
 
 #[test]

@@ -99,10 +99,10 @@ fn run<const D: usize>(
 
 /// Coordinates, answers, then what else the queries carried under names not taken.
 fn arrange<const D: usize>(at: Loaded, result: Evaluations<D>, extra: &[Extra], naming: Naming) -> Table {
-    let mut queries = at.input.table;
-    let mut table = Table { columns: Vec::new(), comments: std::mem::take(&mut queries.comments) };
+    let mut table = at.input.table;
+    let queries = std::mem::take(&mut table.columns);
     for &i in &at.roles.coordinates {
-        table.set(queries.columns[i].clone());
+        table.set(queries[i].clone());
     }
     let mut more = Table::default();
     extra.iter().for_each(|extra| extra.set(&mut more, &result));
@@ -116,7 +116,7 @@ fn arrange<const D: usize>(at: Loaded, result: Evaluations<D>, extra: &[Extra], 
     set_numbers(&mut table, "effective_neighbours", result.effective_neighbours);
     table.set(naming.status(&result.status));
     more.columns.into_iter().for_each(|column| table.set(column));
-    for (i, Column { name, data }) in queries.columns.into_iter().enumerate() {
+    for (i, Column { name, data }) in queries.into_iter().enumerate() {
         if at.roles.coordinates.contains(&i) {
             continue;
         }

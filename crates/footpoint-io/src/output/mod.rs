@@ -81,6 +81,11 @@ pub enum WriteProblem {
     /// A column of text, which PLY cannot hold.
     #[error("column `{0}` holds text, which PLY cannot; write csv or txt, or leave the column out")]
     TextInPly(String),
+    /// Integers that no number of a PLY file holds.
+    #[error(
+        "column `{0}` holds integers beyond 2^53, which PLY cannot; write csv, txt or las, or leave it out"
+    )]
+    WideInPly(String),
     /// A name that cannot stand in the file's header.
     #[error("column name {0:?} cannot stand in the header of this format; rename it")]
     Name(String),

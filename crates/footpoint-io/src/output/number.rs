@@ -14,6 +14,8 @@ pub(super) fn write_value(out: &mut impl Write, data: &Data, row: usize) -> io::
         Data::U16(v) => v.get(row).map_or(Ok(()), |n| write_integer(out, *n)),
         Data::I32(v) => v.get(row).map_or(Ok(()), |n| write_integer(out, *n)),
         Data::U32(v) => v.get(row).map_or(Ok(()), |n| write_integer(out, *n)),
+        Data::I64(v) => v.get(row).map_or(Ok(()), |n| write_integer(out, *n)),
+        Data::U64(v) => v.get(row).map_or(Ok(()), |n| write_integer(out, *n)),
         Data::F32(v) => v.get(row).map_or(Ok(()), |n| write_real(out, *n)),
         Data::F64(v) => v.get(row).map_or(Ok(()), |n| write_real(out, *n)),
         Data::Text(_) => Ok(()),

@@ -15,6 +15,15 @@ pub(super) fn check(column: &Column) -> Result<(), WriteProblem> {
     if Scalar::of(&column.data).is_none() {
         return Err(WriteProblem::TextInPly(column.name.clone()));
     }
+    let most = 1_u64 << 53;
+    let too_wide = match &column.data {
+        Data::I64(values) => values.iter().any(|n| n.unsigned_abs() > most),
+        Data::U64(values) => values.iter().any(|&n| n > most),
+        _ => false,
+    };
+    if too_wide {
+        return Err(WriteProblem::WideInPly(column.name.clone()));
+    }
     if column.name.is_empty() || column.name.contains(|c: char| c.is_whitespace() || c.is_control()) {
         return Err(WriteProblem::Name(column.name.clone()));
     }
@@ -101,6 +110,10 @@ fn scatter(data: &Data, rows: Rows, block: &mut [u8], stride: usize, offset: usi
         Data::I32(v) => encode(v.get(rows), block, stride, offset, i32::to_le_bytes),
         Data::U32(v) if big => encode(v.get(rows), block, stride, offset, u32::to_be_bytes),
         Data::U32(v) => encode(v.get(rows), block, stride, offset, u32::to_le_bytes),
+        Data::I64(v) if big => encode(v.get(rows), block, stride, offset, |n| (n as f64).to_be_bytes()),
+        Data::I64(v) => encode(v.get(rows), block, stride, offset, |n| (n as f64).to_le_bytes()),
+        Data::U64(v) if big => encode(v.get(rows), block, stride, offset, |n| (n as f64).to_be_bytes()),
+        Data::U64(v) => encode(v.get(rows), block, stride, offset, |n| (n as f64).to_le_bytes()),
         Data::F32(v) if big => encode(v.get(rows), block, stride, offset, f32::to_be_bytes),
         Data::F32(v) => encode(v.get(rows), block, stride, offset, f32::to_le_bytes),
         Data::F64(v) if big => encode(v.get(rows), block, stride, offset, f64::to_be_bytes),

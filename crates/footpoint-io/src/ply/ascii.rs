@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 use crate::source::Source;
 
 /// Reads the scalar properties of all rows, one column each in the header's order.
-pub(super) fn read(source: &mut Source, line_end: u8, element: &Element) -> Result<Vec<Data>, PlyError> {
+pub(super) fn read(source: &mut Source<'_>, line_end: u8, element: &Element) -> Result<Vec<Data>, PlyError> {
     let room = room(source, element);
     let mut slots: Vec<Slot> = element.properties.iter().map(|p| Slot::new(p.kind, room)).collect();
     let mut line = Vec::new();
@@ -40,7 +40,7 @@ pub(super) fn read(source: &mut Source, line_end: u8, element: &Element) -> Resu
 }
 
 /// Passes over the rows without looking into them.
-pub(super) fn pass_over(source: &mut Source, line_end: u8, element: &Element) -> Result<(), PlyError> {
+pub(super) fn pass_over(source: &mut Source<'_>, line_end: u8, element: &Element) -> Result<(), PlyError> {
     let mut line = Vec::new();
     let rows = if element.properties.is_empty() { 0 } else { element.rows };
     for row in 1..=rows {
@@ -52,7 +52,7 @@ pub(super) fn pass_over(source: &mut Source, line_end: u8, element: &Element) ->
 }
 
 /// The next line that is not blank.
-pub(super) fn next_row(source: &mut Source, line_end: u8, line: &mut Vec<u8>) -> Result<bool, PlyError> {
+pub(super) fn next_row(source: &mut Source<'_>, line_end: u8, line: &mut Vec<u8>) -> Result<bool, PlyError> {
     while source.read_line(line_end, line)? {
         if !line.trim_ascii().is_empty() {
             return Ok(true);
@@ -62,7 +62,7 @@ pub(super) fn next_row(source: &mut Source, line_end: u8, line: &mut Vec<u8>) ->
 }
 
 /// Rows to make room for: what the header states, but no more than the bytes left can hold.
-fn room(source: &Source, element: &Element) -> usize {
+fn room(source: &Source<'_>, element: &Element) -> usize {
     let least_line = 2 * element.properties.len().max(1) as u64;
     let rows = element.rows.min(source.remaining().unwrap_or(0) / least_line + 1);
     usize::try_from(rows).unwrap_or(0)
@@ -123,6 +123,8 @@ fn push(data: &mut Data, value: &[u8]) -> Option<()> {
         Data::U16(v) => v.push(integer(value)?),
         Data::I32(v) => v.push(integer(value)?),
         Data::U32(v) => v.push(integer(value)?),
+        Data::I64(v) => v.push(integer(value)?),
+        Data::U64(v) => v.push(integer(value)?),
         Data::F32(v) => v.push(fast_float2::parse(value).ok()?),
         Data::F64(v) => v.push(fast_float2::parse(value).ok()?),
         Data::Text(_) => return None,
@@ -142,7 +144,7 @@ fn integer<T: TryFrom<i64>>(value: &[u8]) -> Option<T> {
     T::try_from(whole).ok()
 }
 
-fn row_length(source: &Source, element: &Element, row: u64, line: &[u8]) -> PlyError {
+fn row_length(source: &Source<'_>, element: &Element, row: u64, line: &[u8]) -> PlyError {
     PlyError::RowLength {
         line: source.line_number(),
         element: element.name.clone(),

@@ -18,7 +18,7 @@ pub(super) enum Order {
 }
 
 /// Reads the scalar properties of all rows, one column each in the header's order.
-pub(super) fn read(source: &mut Source, order: Order, element: &Element) -> Result<Vec<Data>, PlyError> {
+pub(super) fn read(source: &mut Source<'_>, order: Order, element: &Element) -> Result<Vec<Data>, PlyError> {
     let wanted = u128::from(element.rows) * u128::from(element.least_row_bytes());
     if let Some(found) = source.remaining().filter(|&found| u128::from(found) < wanted) {
         return Err(end_in_bytes(element, found));
@@ -61,7 +61,7 @@ pub(super) fn read(source: &mut Source, order: Order, element: &Element) -> Resu
 }
 
 /// Passes over the rows, lists by their lengths.
-pub(super) fn pass_over(source: &mut Source, order: Order, element: &Element) -> Result<(), PlyError> {
+pub(super) fn pass_over(source: &mut Source<'_>, order: Order, element: &Element) -> Result<(), PlyError> {
     let stride = element.least_row_bytes();
     if !element.has_lists() {
         let bytes = element.rows.saturating_mul(stride);
@@ -87,7 +87,7 @@ pub(super) fn pass_over(source: &mut Source, order: Order, element: &Element) ->
 
 /// Gathers the scalars of `rows` into `block`, as if the lists were not there.
 fn read_rows_with_lists(
-    source: &mut Source,
+    source: &mut Source<'_>,
     order: Order,
     element: &Element,
     rows: std::ops::Range<u64>,
@@ -115,7 +115,7 @@ fn read_rows_with_lists(
 }
 
 /// The bytes of one number in front; `None` at the end of the file.
-fn number_bytes(source: &mut Source, scalar: Scalar) -> Result<Option<[u8; 8]>, PlyError> {
+fn number_bytes(source: &mut Source<'_>, scalar: Scalar) -> Result<Option<[u8; 8]>, PlyError> {
     let size = scalar.size() as usize;
     let mut bytes = [0; 8];
     let filled = source.fill(bytes.get_mut(..size).unwrap_or_default())?;
@@ -123,7 +123,7 @@ fn number_bytes(source: &mut Source, scalar: Scalar) -> Result<Option<[u8; 8]>, 
 }
 
 /// The number of values of a list; `None` at the end of the file.
-fn list_length(source: &mut Source, order: Order, count: Scalar) -> Result<Option<i64>, PlyError> {
+fn list_length(source: &mut Source<'_>, order: Order, count: Scalar) -> Result<Option<i64>, PlyError> {
     let Some(mut bytes) = number_bytes(source, count)? else { return Ok(None) };
     let size = count.size() as usize;
     if order == Order::Big {
@@ -168,6 +168,10 @@ fn append(column: &mut Data, rows: &[u8], stride: usize, offset: usize, order: O
         Data::I32(v) => decode(v, rows, stride, offset, i32::from_le_bytes),
         Data::U32(v) if big => decode(v, rows, stride, offset, u32::from_be_bytes),
         Data::U32(v) => decode(v, rows, stride, offset, u32::from_le_bytes),
+        Data::I64(v) if big => decode(v, rows, stride, offset, i64::from_be_bytes),
+        Data::I64(v) => decode(v, rows, stride, offset, i64::from_le_bytes),
+        Data::U64(v) if big => decode(v, rows, stride, offset, u64::from_be_bytes),
+        Data::U64(v) => decode(v, rows, stride, offset, u64::from_le_bytes),
         Data::F32(v) if big => decode(v, rows, stride, offset, f32::from_be_bytes),
         Data::F32(v) => decode(v, rows, stride, offset, f32::from_le_bytes),
         Data::F64(v) if big => decode(v, rows, stride, offset, f64::from_be_bytes),

@@ -65,7 +65,7 @@ impl Kind {
     }
 }
 
-pub(super) fn read(source: &mut Source, head: &[u8]) -> Result<Header, PlyError> {
+pub(super) fn read(source: &mut Source<'_>, head: &[u8]) -> Result<Header, PlyError> {
     let line_end = line_end(head);
     let mut encoding = None;
     let mut comments = Vec::new();

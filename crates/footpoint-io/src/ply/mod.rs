@@ -21,7 +21,7 @@ pub(crate) fn is_ply(head: &[u8]) -> bool {
     head.get(..end).is_some_and(|line| line.trim_ascii() == b"ply")
 }
 
-pub(crate) fn read(source: &mut Source, head: &[u8]) -> Result<(Table, Encoding, ReadReport), PlyError> {
+pub(crate) fn read(source: &mut Source<'_>, head: &[u8]) -> Result<(Table, Encoding, ReadReport), PlyError> {
     let header = header::read(source, head)?;
     let others = header.elements.iter().filter(|element| element.name != "vertex");
     let others = others.map(|element| OtherElement { name: element.name.clone(), rows: element.rows });
@@ -54,7 +54,7 @@ fn is_harmless(error: &PlyError) -> bool {
 }
 
 /// Whether anything but blank lines follows the last element.
-fn has_more(source: &mut Source, header: &Header) -> Result<bool, PlyError> {
+fn has_more(source: &mut Source<'_>, header: &Header) -> Result<bool, PlyError> {
     match header.encoding {
         Encoding::Ascii => ascii::next_row(source, header.line_end, &mut Vec::new()),
         Encoding::LittleEndian | Encoding::BigEndian => Ok(!source.at_end()?),
@@ -62,7 +62,7 @@ fn has_more(source: &mut Source, header: &Header) -> Result<bool, PlyError> {
 }
 
 fn read_vertices(
-    source: &mut Source,
+    source: &mut Source<'_>,
     header: &Header,
     element: &Element,
     report: &mut ReadReport,
@@ -76,10 +76,10 @@ fn read_vertices(
     report.skipped_lists = lists.map(|p| p.name.clone()).collect();
     let names = element.properties.iter().filter(|p| matches!(p.kind, Kind::Scalar(_)));
     let columns = names.zip(columns).map(|(p, data)| Column::new(p.name.clone(), data)).collect();
-    Ok(Table { columns, comments: header.comments.clone() })
+    Ok(Table { columns, comments: header.comments.clone(), ..Table::default() })
 }
 
-fn pass_over(source: &mut Source, header: &Header, element: &Element) -> Result<(), PlyError> {
+fn pass_over(source: &mut Source<'_>, header: &Header, element: &Element) -> Result<(), PlyError> {
     match header.encoding {
         Encoding::Ascii => ascii::pass_over(source, header.line_end, element),
         Encoding::LittleEndian => binary::pass_over(source, binary::Order::Little, element),

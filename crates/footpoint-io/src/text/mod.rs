@@ -15,7 +15,7 @@ pub(crate) use fields::{is_comment, needs_quotes};
 
 /// Reads all rows; `kind` decides the names of columns that no header names.
 pub(crate) fn read(
-    source: &mut Source,
+    source: &mut Source<'_>,
     head: &[u8],
     kind: TextKind,
 ) -> Result<(Table, ReadReport), TextError> {
@@ -186,7 +186,7 @@ impl Reader {
         for column in body.columns.iter().filter(|column| matches!(column.data, Data::Text(_))) {
             report.notes.push(format!("column `{}` holds no numbers: kept as text", column.name));
         }
-        Ok((Table { columns: body.columns, comments: self.comments }, report))
+        Ok((Table { columns: body.columns, comments: self.comments, ..Table::default() }, report))
     }
 
     /// A file of a header alone is an empty table if the header names coordinates, as our own writer's does.
@@ -213,7 +213,7 @@ impl Reader {
             }
             _ => return Err(TextError::NoRows { first: self.first.unwrap_or_default() }),
         };
-        Ok((Table { columns, comments: self.comments }, report))
+        Ok((Table { columns, comments: self.comments, ..Table::default() }, report))
     }
 }
 

@@ -46,13 +46,13 @@ pub(crate) fn numbers(table: &Table, name: &str) -> Vec<f64> {
 
 pub(crate) fn f64_table(columns: &[(&str, &[f64])]) -> Table {
     let columns = columns.iter().map(|(name, values)| Column::new(*name, Data::F64(values.to_vec())));
-    Table { columns: columns.collect(), comments: Vec::new() }
+    Table { columns: columns.collect(), ..Table::default() }
 }
 
 /// A column of each number type, with the values that formats like to lose.
 pub(crate) fn extremes() -> Table {
     let mut table =
-        Table { columns: Vec::new(), comments: vec!["by a test".into(), "obj_info grid 2".into()] };
+        Table { comments: vec!["by a test".into(), "obj_info grid 2".into()], ..Table::default() };
     table.set(Column::new("x", Data::F64(vec![-0.0, 5e-324, f64::MAX, f64::NAN, f64::NEG_INFINITY, 0.1])));
     table.set(Column::new("y", Data::F32(vec![-0.0, 1e-45, f32::MAX, f32::NAN, f32::INFINITY, 0.1])));
     table.set(Column::new("a", Data::I8(vec![i8::MIN, i8::MAX, 0, 1, -1, 2])));
