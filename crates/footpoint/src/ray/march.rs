@@ -13,8 +13,8 @@
 //! its sign (n carried along) is narrowed until |f| ≤ T h.
 //!
 //! Nothing bounds the derivatives of f where the gap vanishes, so this is a rule that was measured, not proved: against
-//! dense sampling it loses no hit on clean clouds, and of 200,000 on very noisy ones (0.15 h) six. With a bend that grows
-//! with the gap's inverse alone it loses 68.
+//! dense sampling it loses no hit of 505,000 on clean clouds, and 15 of 515,000 on very noisy ones (0.15 h). With a bend that
+//! grows with the gap's inverse alone it loses ten times as many.
 
 use super::{Cast, Sought};
 use crate::algebra::{add_scaled, dot, length, scale};
