@@ -1,9 +1,12 @@
 //! Arguments of the command line, and what they mean to the jobs.
 
 mod common;
+mod files;
 mod render;
 
+use crate::meta;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use common::Common;
 use footpoint_jobs::scan::ScanPlan;
 use footpoint_jobs::{
@@ -19,32 +22,86 @@ use std::path::PathBuf;
 /// of f. Files: PLY, and text (xyz csv txt pts pwn xy); two columns are a curve in the plane. Lengths are in the
 /// unit of the file, angles in degrees.
 #[derive(Debug, Parser)]
-#[command(name = "footpoint", version, max_term_width = 100, after_help = EXIT_CODES)]
+#[command(name = "footpoint", version, max_term_width = 100, after_help = EXIT_CODES, disable_help_subcommand = true)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
-    pub(crate) verb: Verb,
+    pub(crate) command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 more points than --strict allows are not ok; 2 nothing done.\n\
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    #[command(flatten)]
+    Work(Box<Verb>),
+    #[command(flatten)]
+    About(About),
+}
+
+/// Words about the command itself.
+#[derive(Debug, Subcommand)]
+pub(crate) enum About {
+    /// Explain a command, or `definition`: weights, fields and supports in plain words
+    Help {
+        /// A command, or `definition`
+        #[arg(value_parser = topic)]
+        topic: Option<String>,
+    },
+    /// Print completions for a shell: `footpoint completions bash > /etc/bash_completion.d/footpoint`
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Print a manual page: `footpoint man | man -l -`
+    Man {
+        /// A command [default: the page that lists them]
+        #[arg(value_parser = verb)]
+        command: Option<String>,
+    },
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 more points than --strict allows are not ok; 2 nothing done; 130 interrupted.\n\
     Each point has a status: ok outside degenerate boundary singular not_converged invalid (0 … 6 in PLY).";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     /// Simulate a laser scan, compute its normals and projection, compare with the truth, draw it
+    #[command(
+        after_help = "Examples:\n  footpoint demo\n  footpoint demo --range-noise 0.001 -o fine\nMore options: --help"
+    )]
     Demo(DemoArguments),
     /// Describe a file: counts, bounds, repeats, spacing, normals, and the support that fits it
+    #[command(
+        after_help = "Examples:\n  footpoint info scan.ply\n  footpoint info scan.ply --json | jq .surface.support\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
+    )]
     Info(InfoArguments),
     /// Evaluate f, its gradient and what belongs to them at given points
+    #[command(
+        after_help = "Examples:\n  footpoint evaluate scan.ply --at points.csv -o f.csv\n  footpoint evaluate scan.ply --at points.csv -o f.csv --with curvature,sigma --noise auto\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
+    )]
     Evaluate(EvaluateArguments),
     /// Give every sample its normal
+    #[command(
+        after_help = "Examples:\n  footpoint normals scan.ply -o normals.ply\n  footpoint normals noisy.xyz -o normals.csv --auto 40 --curvature\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
+    )]
     Normals(NormalsArguments),
     /// Give every sample its normal, with signs that agree
+    #[command(
+        after_help = "Examples:\n  footpoint orient scan.ply -o oriented.ply\n  footpoint orient scan.ply -o oriented.ply --towards 0,0,1.7\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
+    )]
     Orient(OrientArguments),
     /// Take points to the surface
+    #[command(
+        after_help = "Examples:\n  footpoint project scan.ply -o smooth.ply\n  footpoint project points.csv --onto scan.ply -o feet.csv --noise auto\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
+    )]
     Project(ProjectArguments),
     /// Draw the figures of the paper: the surface as f = 0, its normals, the steps of projections
+    #[command(
+        after_help = "Examples:\n  footpoint figure all -o figures\n  footpoint figure 3 scan.ply -o figures\nMore options: --help"
+    )]
     Figure(FigureArguments),
     /// Draw the surface: one picture, light or colours for numbers
+    #[command(
+        after_help = "Examples:\n  footpoint render scan.ply\n  footpoint render scan.ply -o bent.png --shading curvature --view front\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
+    )]
     Render(RenderArguments),
 }
 
@@ -418,4 +475,18 @@ fn share(text: &str) -> Result<f64, String> {
             Err("a share is a number such as 1% or 0.01 (put --strict last, or write --strict=1%)".to_owned())
         }
     }
+}
+
+/// A command, or a topic of help.
+fn topic(text: &str) -> Result<String, String> {
+    if text == meta::TOPIC { Ok(text.to_owned()) } else { verb(text) }
+}
+
+/// A command.
+fn verb(text: &str) -> Result<String, String> {
+    let names = meta::names();
+    if names.iter().any(|name| name == text) {
+        return Ok(text.to_owned());
+    }
+    Err(format!("it must be `{}`, or one of: {}", meta::TOPIC, names.join(" ")))
 }

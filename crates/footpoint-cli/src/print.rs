@@ -140,8 +140,17 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
     if let Some(render) = &report.render {
         describe_picture(out, render)?;
     }
+    let wrote = if report.dry_run { "would write" } else { "wrote" };
     for output in &report.outputs {
-        writeln!(out, "wrote {output}")?;
+        writeln!(out, "{wrote} {output}")?;
+    }
+    if report.dry_run {
+        let definition = serde_json::to_string(&report.recipe.definition).unwrap_or_default();
+        writeln!(
+            out,
+            "would compute `{}` with the definition {definition}\ndry run: nothing was computed or written",
+            report.job
+        )?;
     }
     let t = &report.times;
     write!(out, "seconds: read {:.2}, index {:.2}", t.read.wall_seconds, t.index.wall_seconds)?;

@@ -5,12 +5,12 @@ use crate::info::median;
 use crate::load::surface_of_cloud;
 use crate::output::{Naming, set_numbers, set_vectors};
 use crate::project::{moved, projection_columns};
-use crate::render::{RenderPlan, check_picture, drawn, put};
+use crate::render::{RenderPlan, drawn, put};
 use crate::report::Report;
 use crate::scan::{ScanPlan, Vessel, scan};
-use crate::{Context, JobError};
+use crate::{Context, JobError, Stage};
 use footpoint::{Cloud, Project, Queries, Status, Surface, Want};
-use footpoint_io::{Column, Data, Table, WriteOptions, check_writable, write};
+use footpoint_io::{Column, Data, Table, check_file};
 use footpoint_render::{RenderError, Shading, Wish, triptych, write_image};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -24,6 +24,17 @@ pub struct DemoPlan {
     pub scan: ScanPlan,
     /// Pixels in a row of `picture.png`, three quarters as many rows; 0 draws nothing.
     pub picture_width: usize,
+}
+
+const CLOUDS: [&str; 3] = ["scan.ply", "normals.ply", "projected.ply"];
+const PICTURES: [&str; 2] = ["picture.png", "triptych.png"];
+
+impl DemoPlan {
+    /// The files that are written.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let pictures = PICTURES.iter().filter(|_| self.picture_width > 0);
+        CLOUDS.iter().chain(pictures).map(|name| self.folder.join(name)).collect()
+    }
 }
 
 /// How near the computed surface comes to the truth, over the points that are *ok*.
@@ -55,13 +66,10 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
     let how: Project = *report.recipe.project.get_or_insert_default();
     let made = std::fs::create_dir_all(&plan.folder);
     made.map_err(|problem| JobError::Folder { path: plan.folder.clone(), problem })?;
-    let files = ["scan.ply", "normals.ply", "projected.ply"].map(|name| plan.folder.join(name));
-    for file in &files {
-        check_writable(file, context.overwrite)?;
-    }
-    let pictures = ["picture.png", "triptych.png"].map(|name| plan.folder.join(name));
-    for file in pictures.iter().filter(|_| plan.picture_width > 0) {
-        check_picture(file, context)?;
+    let files = CLOUDS.map(|name| plan.folder.join(name));
+    let pictures = PICTURES.map(|name| plan.folder.join(name));
+    for file in plan.files() {
+        check_file(&file, context.overwrite)?;
     }
 
     // The simulation stands where other jobs read a file.
@@ -97,9 +105,8 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
     report.demo = Some(error.report(plan.scan.noise));
 
     timed(&mut report.times.write, || -> Result<(), JobError> {
-        let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
         let mut put = |file: &Path, table: &Table| -> Result<(), JobError> {
-            write(file, table, &options)?;
+            context.write(file, table)?;
             report.outputs.push(file.display().to_string());
             Ok(())
         };
@@ -135,6 +142,7 @@ fn draw(
     // Half as wide again as the picture.
     let panel = [width.div_ceil(2); 2];
     let run = context.run.silent();
+    context.begin(Stage::Draw);
     let (picture, three) = timed(&mut report.times.draw, || -> Result<_, RenderError> {
         let (_, picture) = drawn(surface, &plan, (Shading::Surface, ""), &run)?;
         Ok((picture, triptych(surface, &Wish::default(), (panel, plan.across), &run)?))

@@ -6,7 +6,7 @@ use crate::output::{Naming, along, set_counts, set_numbers, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Curvatures, Evaluations, Queries, Want};
-use footpoint_io::{Column, Table, WriteOptions, check_table, check_writable, write};
+use footpoint_io::{Column, Table, check_table, check_writable};
 use std::path::Path;
 
 /// Columns of `evaluate` beyond the usual ones.
@@ -58,9 +58,9 @@ pub fn evaluate(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("evaluate", context.recipe.clone());
-    let loaded = Loaded::read(cloud, &mut report)?;
+    let loaded = Loaded::read(cloud, context, &mut report)?;
     report.inputs.push(loaded.report());
-    let mut at = Loaded::read(queries, &mut report)?;
+    let mut at = Loaded::read(queries, context, &mut report)?;
     report.inputs.push(at.report());
     at.drop_own_status();
     check_table(output, &at.input.table)?;
@@ -91,8 +91,7 @@ fn run<const D: usize>(
     report.count(&result.status);
 
     let table = arrange(at, result, extra, Naming::of(output));
-    let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
-    timed(&mut report.times.write, || write(output, &table, &options))?;
+    timed(&mut report.times.write, || context.write(output, &table))?;
     report.wrote(output);
     Ok(report)
 }

@@ -34,28 +34,41 @@ pub enum Which {
 /// The figure that is ray-traced.
 const IN_SPACE: u8 = 3;
 
+impl FigurePlan {
+    /// The files that are written.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.numbers().into_iter().map(|number| self.place(number)).collect()
+    }
+
+    fn numbers(&self) -> Vec<u8> {
+        match self.which {
+            Which::All => [figure::NUMBERS.as_slice(), &[IN_SPACE]].concat(),
+            Which::One(number) => vec![number],
+        }
+    }
+
+    fn place(&self, number: u8) -> PathBuf {
+        let kind = if number == IN_SPACE { "png" } else { "svg" };
+        self.folder.join(format!("figure-{number}.{kind}"))
+    }
+}
+
 /// Draws figures of the paper from what the library computes on built-in samples, and writes `figure-N.svg`, and
 /// `figure-3.png` of the input or of a built-in scan.
 ///
 /// All names are checked before the first is drawn. The recipe's surface is for figure 3 alone.
 pub fn figure(plan: &FigurePlan, context: &Context<'_>) -> Result<Report, JobError> {
-    let mut numbers = match plan.which {
-        Which::All => [figure::NUMBERS.as_slice(), &[IN_SPACE]].concat(),
-        Which::One(number) => vec![number],
-    };
+    let mut numbers = plan.numbers();
     let in_space = numbers.contains(&IN_SPACE);
     if let (Some(_), Some(&number), false) = (&plan.input, numbers.first(), in_space) {
         return Err(JobError::NoInput(number));
     }
     let made = std::fs::create_dir_all(&plan.folder);
     made.map_err(|problem| JobError::Folder { path: plan.folder.clone(), problem })?;
-    let place = |number: u8| {
-        let kind = if number == IN_SPACE { "png" } else { "svg" };
-        plan.folder.join(format!("figure-{number}.{kind}"))
-    };
-    for &number in &numbers {
-        check_file(&place(number), context.overwrite)?;
+    for file in plan.files() {
+        check_file(&file, context.overwrite)?;
     }
+    let place = |number: u8| plan.place(number);
     numbers.retain(|&number| number != IN_SPACE);
     let mut report = Report::new("figure", context.recipe.clone());
     let drawn = timed(&mut report.times.compute, || {

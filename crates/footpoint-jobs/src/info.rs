@@ -57,7 +57,7 @@ pub struct NormalsReport {
 /// Describes a file: counts, bounds, repeats, spacing, normals, and the support that the recipe's rule gives.
 pub fn info(input: &Path, context: &Context<'_>) -> Result<Report, JobError> {
     let mut report = Report::new("info", context.recipe.clone());
-    let loaded = Loaded::read(input, &mut report)?;
+    let loaded = Loaded::read(input, context, &mut report)?;
     report.inputs.push(loaded.report());
     report.points = loaded.input.table.rows();
     match loaded.roles.dimension() {

@@ -8,6 +8,7 @@
 
 mod clock;
 mod demo;
+mod dry;
 mod evaluate;
 mod figure;
 mod info;
@@ -19,10 +20,12 @@ mod project;
 mod render;
 mod report;
 pub mod scan;
+mod stage;
 mod triptych;
 
 pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
+pub use dry::{Files, dry_run};
 pub use evaluate::{Extra, evaluate};
 pub use figure::{FigurePlan, Which, figure};
 pub use info::{InfoReport, NormalsReport, info};
@@ -33,6 +36,7 @@ pub use render::{RenderPlan, RenderReport, Show, render};
 pub use report::{
     InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
 };
+pub use stage::Stage;
 pub use triptych::triptych;
 
 /// What the jobs take from the library, so that a front needs no other crate.
@@ -46,7 +50,7 @@ pub use footpoint_render::{Background, Camera, Projection, Relief, View, Wish};
 use std::path::PathBuf;
 
 /// What every job needs beside its files.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Context<'r> {
     /// What to compute.
     pub recipe: Recipe,
@@ -54,6 +58,8 @@ pub struct Context<'r> {
     pub overwrite: Overwrite,
     /// Threads, progress, cancelling.
     pub run: Run<'r>,
+    /// Told of each stage as it begins; the run's progress is its own from then on.
+    pub stage: Option<&'r (dyn Fn(Stage<'_>) + Sync)>,
 }
 
 /// Why a job gave nothing; no file was written.

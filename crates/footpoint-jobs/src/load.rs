@@ -3,7 +3,7 @@
 use crate::clock::timed;
 use crate::output::drop_own_status;
 use crate::report::{InputReport, NoiseSource, Recipe, Report, SurfaceReport};
-use crate::{Context, JobError};
+use crate::{Context, JobError, Stage};
 use footpoint::{Cloud, Definition, Error, Noise, OrientError, Support, Surface};
 use footpoint_io::roles::Roles;
 use footpoint_io::{Format, Input};
@@ -20,8 +20,8 @@ pub(crate) struct Loaded {
 
 impl Loaded {
     /// Reads a file, leaves out what the recipe drops, and finds coordinates and normals.
-    pub(crate) fn read(path: &Path, report: &mut Report) -> Result<Self, JobError> {
-        let mut input = timed(&mut report.times.read, || footpoint_io::read(path))?;
+    pub(crate) fn read(path: &Path, context: &Context<'_>, report: &mut Report) -> Result<Self, JobError> {
+        let mut input = timed(&mut report.times.read, || context.read(path))?;
         let find = |input: &Input| {
             Roles::find(&input.table).map_err(|problem| JobError::Roles { path: path.to_owned(), problem })
         };
@@ -91,6 +91,14 @@ impl Loaded {
             normals: !normals.is_empty(),
             unusable_normals: rows(&normals, &|row| not_finite(row) || row.iter().all(|&c| c == 0.0)),
             notes,
+        }
+    }
+
+    /// Fails if a column that the recipe asks for is not there.
+    pub(crate) fn check_columns(&self, recipe: &Recipe) -> Result<(), JobError> {
+        match self.roles.dimension() {
+            2 => self.cloud::<2>(recipe).map(drop),
+            _ => self.cloud::<3>(recipe).map(drop),
         }
     }
 
@@ -180,6 +188,7 @@ pub(crate) fn surface_of_cloud<const D: usize>(
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Surface<D>, JobError> {
+    context.begin(Stage::Index);
     let run = context.run.silent();
     let wrong = |problem: Error| match problem {
         Error::Cancelled(_) => JobError::Cancelled,
@@ -201,6 +210,7 @@ pub(crate) fn surface_of_cloud<const D: usize>(
             .map_err(|problem| JobError::Noise { path: path.to_owned(), problem })?;
     }
     report.surface = Some(SurfaceReport { degree_choice, ..SurfaceReport::of(&surface) });
+    context.begin(Stage::Compute);
     Ok(surface)
 }
 

@@ -7,7 +7,7 @@ use crate::output::{Naming, merge, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Queries, Want};
-use footpoint_io::{Table, WriteOptions, check_table, check_writable, write};
+use footpoint_io::{Table, check_table, check_writable};
 use std::path::Path;
 
 /// Which normal to write.
@@ -43,7 +43,7 @@ pub fn normals(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("normals", context.recipe.clone());
-    let mut loaded = Loaded::read(input, &mut report)?;
+    let mut loaded = Loaded::read(input, context, &mut report)?;
     report.inputs.push(loaded.report());
     loaded.drop_own_status();
     check_table(output, &loaded.input.table)?;
@@ -88,8 +88,7 @@ fn run<const D: usize>(
     computed.set(naming.status(&result.status));
     let mut table = loaded.input.table;
     merge(&mut table, &loaded.roles, computed);
-    let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
-    timed(&mut report.times.write, || write(output, &table, &options))?;
+    timed(&mut report.times.write, || context.write(output, &table))?;
     report.wrote(output);
     Ok(report)
 }

@@ -6,7 +6,7 @@ use crate::output::{Naming, merge, oriented_normal, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Component, NonOrientable, NormalSource, Orient, OrientError, Orientation, Verdict};
-use footpoint_io::{Table, WriteOptions, check_table, check_writable, write};
+use footpoint_io::{Table, check_table, check_writable};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -73,7 +73,7 @@ pub fn orient(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("orient", context.recipe.clone());
-    let mut loaded = Loaded::read(input, &mut report)?;
+    let mut loaded = Loaded::read(input, context, &mut report)?;
     report.inputs.push(loaded.report());
     loaded.drop_own_status();
     check_table(output, &loaded.input.table)?;
@@ -90,7 +90,7 @@ fn run<const D: usize>(
     context: &Context<'_>,
     mut report: Report,
 ) -> Result<Report, JobError> {
-    let columns = Columns::<D>::of(&loaded, &plan.by, &mut report)?;
+    let columns = Columns::<D>::of(&loaded, &plan.by, context, &mut report)?;
     let surface = loaded.surface::<D>(context, &mut report)?;
     let how = match &plan.by {
         OrientBy::Towards(point) => Orient::Towards(vector("the viewpoint", point)?),
@@ -112,8 +112,7 @@ fn run<const D: usize>(
     computed.set(Naming::of(output).status(&found.status));
     let mut table = loaded.input.table;
     merge(&mut table, &loaded.roles, computed);
-    let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
-    timed(&mut report.times.write, || write(output, &table, &options))?;
+    timed(&mut report.times.write, || context.write(output, &table))?;
     report.wrote(output);
     Ok(report)
 }
@@ -127,7 +126,12 @@ struct Columns<const D: usize> {
 }
 
 impl<const D: usize> Columns<D> {
-    fn of(loaded: &Loaded, by: &OrientBy, report: &mut Report) -> Result<Self, JobError> {
+    fn of(
+        loaded: &Loaded,
+        by: &OrientBy,
+        context: &Context<'_>,
+        report: &mut Report,
+    ) -> Result<Self, JobError> {
         let mut columns = Self::default();
         match by {
             OrientBy::SensorColumns(names) => {
@@ -140,7 +144,7 @@ impl<const D: usize> Columns<D> {
             }
             OrientBy::Trajectory { path, time_column } => {
                 columns.times = loaded.column(time_column)?;
-                let positions = Loaded::read(path, report)?;
+                let positions = Loaded::read(path, context, report)?;
                 report.inputs.push(positions.report());
                 loaded.check_dimension(&positions)?;
                 columns.path = positions.column(time_column)?.into_iter().zip(positions.points()).collect();

@@ -6,7 +6,7 @@ use crate::output::{Naming, merge, set_counts, set_numbers, set_vectors};
 use crate::report::{MovedReport, Report};
 use crate::{Context, JobError};
 use footpoint::{Noise, Project, Projections, Queries, Status, Uncertainty};
-use footpoint_io::{Table, WriteOptions, check_table, check_writable, write};
+use footpoint_io::{Table, check_table, check_writable};
 use std::path::Path;
 
 /// Projects every point of `input` onto the surface of `onto`, or onto its own.
@@ -22,11 +22,11 @@ pub fn project(
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("project", context.recipe.clone());
     report.recipe.project.get_or_insert_default();
-    let mut points = Loaded::read(input, &mut report)?;
+    let mut points = Loaded::read(input, context, &mut report)?;
     report.inputs.push(points.report());
     points.drop_own_status();
     check_table(output, &points.input.table)?;
-    let onto = onto.map(|path| Loaded::read(path, &mut report)).transpose()?;
+    let onto = onto.map(|path| Loaded::read(path, context, &mut report)).transpose()?;
     if let Some(onto) = &onto {
         report.inputs.push(onto.report());
         onto.check_dimension(&points)?;
@@ -71,8 +71,7 @@ fn run<const D: usize>(
         set_numbers(&mut computed, "distance_bias", bias);
     }
     merge(&mut table, &points.roles, computed);
-    let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
-    timed(&mut report.times.write, || write(output, &table, &options))?;
+    timed(&mut report.times.write, || context.write(output, &table))?;
     report.wrote(output);
     Ok(report)
 }

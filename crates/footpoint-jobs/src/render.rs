@@ -3,7 +3,7 @@
 use crate::clock::timed;
 use crate::load::Loaded;
 use crate::report::Report;
-use crate::{Context, JobError};
+use crate::{Context, JobError, Stage};
 use footpoint::{Run, Surface};
 use footpoint_io::{Data, check_file, write_file};
 use footpoint_render::{
@@ -85,6 +85,15 @@ impl Default for RenderPlan {
     }
 }
 
+impl RenderPlan {
+    /// The files that are written, the picture first: the input's name with `.png` if `output` names none.
+    pub fn files(&self, input: &Path, output: Option<&Path>) -> Vec<PathBuf> {
+        let picture = output.map_or_else(|| picture_name(input), Path::to_owned);
+        let planes = [&self.depth, &self.normals, &self.mask].into_iter().flatten();
+        [picture].into_iter().chain(planes.cloned()).collect()
+    }
+}
+
 /// What a picture shows and from where. Lengths are in the unit of the file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RenderReport {
@@ -124,9 +133,8 @@ pub fn render(
     plan: &RenderPlan,
     context: &Context<'_>,
 ) -> Result<Report, JobError> {
-    let output = output.map_or_else(|| picture_name(input), Path::to_owned);
-    let planes = [&plan.depth, &plan.normals, &plan.mask];
-    let files: Vec<&PathBuf> = [&output].into_iter().chain(planes.into_iter().flatten()).collect();
+    let files = plan.files(input, output);
+    let output = &files[0];
     for (i, file) in files.iter().enumerate() {
         check_picture(file, context)?;
         if files[..i].contains(file) {
@@ -134,12 +142,12 @@ pub fn render(
         }
     }
     let mut report = Report::new("render", context.recipe.clone());
-    let loaded = Loaded::read(input, &mut report)?;
+    let loaded = Loaded::read(input, context, &mut report)?;
     report.inputs.push(loaded.report());
     loaded.check_space()?;
     let other = match &plan.show {
         Show::Distance(path) => {
-            let other = Loaded::read(path, &mut report)?;
+            let other = Loaded::read(path, context, &mut report)?;
             report.inputs.push(other.report());
             loaded.check_dimension(&other)?;
             Some(other.surface::<3>(context, &mut report)?)
@@ -168,6 +176,7 @@ pub fn render(
         Show::Normal => (Shading::Normal, "normal", ""),
         Show::Depth => (Shading::Depth, "depth", "depth"),
     };
+    context.begin(Stage::Draw);
     let (camera, picture) = timed(&mut report.times.draw, || {
         drawn(&surface, plan, (shading, title), &context.run).map_err(|error| loaded.render_error(error))
     })?;
@@ -189,7 +198,7 @@ pub fn render(
         range: picture.range,
         depth_range: plan.depth.as_ref().and(picture.planes.as_ref()).map(|planes| planes.depth_range()),
     });
-    write_all(&mut report, &picture, (&output, plan), context)?;
+    write_all(&mut report, &picture, (output, plan), context)?;
     Ok(report)
 }
 

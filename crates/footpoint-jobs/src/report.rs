@@ -23,6 +23,9 @@ pub struct Report {
     pub version: &'static str,
     /// The job: `normals`, `project`, …
     pub job: &'static str,
+    /// Whether nothing was computed or written: outputs are those that would be.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub dry_run: bool,
     /// Files read.
     pub inputs: Vec<InputReport>,
     /// Files written.
@@ -183,6 +186,7 @@ impl Report {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
             job,
+            dry_run: false,
             inputs: Vec::new(),
             outputs: Vec::new(),
             recipe,

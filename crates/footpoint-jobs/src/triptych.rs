@@ -5,7 +5,7 @@ use crate::load::{Loaded, surface_of_cloud};
 use crate::render::{RenderReport, check_picture, put};
 use crate::report::Report;
 use crate::scan::{ScanPlan, Vessel, scan};
-use crate::{Context, JobError};
+use crate::{Context, JobError, Stage};
 use footpoint::{Cloud, Support};
 use footpoint_render::{Wish, triptych as draw, write_image};
 use std::path::Path;
@@ -29,7 +29,7 @@ pub fn triptych(
     let mut report = Report::new("figure", context.recipe.clone());
     let (surface, name) = match input {
         Some(path) => {
-            let loaded = Loaded::read(path, &mut report)?;
+            let loaded = Loaded::read(path, context, &mut report)?;
             report.inputs.push(loaded.report());
             loaded.check_space()?;
             (loaded.surface::<3>(context, &mut report)?, path.display().to_string())
@@ -45,6 +45,7 @@ pub fn triptych(
             (surface_of_cloud(Cloud::new(made.points), &name, &context, &mut report)?, name)
         }
     };
+    context.begin(Stage::Draw);
     let drawn = timed(&mut report.times.draw, || {
         draw(&surface, &Wish::default(), ([width / 3; 2], ACROSS), &context.run)
     })

@@ -111,12 +111,14 @@ impl<'r> Run<'r> {
         }
     }
 
+    /// Whether the flag of [`Run::cancel`] is set: for a front's own work between calls.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
     /// Fails once the run has been cancelled.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
-        match self.cancel {
-            Some(flag) if flag.load(Ordering::Relaxed) => Err(Cancelled),
-            _ => Ok(()),
-        }
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 
     /// Calls `work(0)`, …, `work(count − 1)`, each thread with a state of its own from `state`. `size` tells how many points

@@ -14,66 +14,72 @@ pub(crate) struct Common {
     /// One support radius for all samples, in the unit of the file
     #[arg(long, value_name = "H", group = "support", allow_negative_numbers = true)]
     radius: Option<f64>,
-    /// One radius, chosen so that an even sampling has this many effective neighbours, or `best`: so that noise and
-    /// curvature together make the least error [default: 16]
+    /// One radius with this many effective neighbours, or `best` [default: 16]
+    ///
+    /// It is chosen so that an even sampling has this many effective neighbours; `best`: so that noise and curvature together make
+    /// the least error.
     #[arg(long, value_name = "N_EFF", group = "support", allow_negative_numbers = true, value_parser = aim)]
     auto: Option<Aim>,
     /// One radius per sample, chosen in the same way
     #[arg(long, value_name = "N_EFF", group = "support", allow_negative_numbers = true, value_parser = aim)]
     per_sample: Option<Aim>,
     /// Column of support radii, in the unit of the file
-    #[arg(long, value_name = "NAME", group = "support")]
+    #[arg(long, value_name = "NAME", group = "support", hide_short_help = true)]
     support_column: Option<String>,
     /// Column of factors that multiply the weights (area, confidence)
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     factor_column: Option<String>,
     /// Columns to leave out, by commas, as if the files had none of that name; `normals` for nx ny nz
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', hide_short_help = true)]
     drop: Vec<String>,
-    /// Noise of the samples, for sigma: one standard deviation in the unit of the file, a column of them (or covariances,
-    /// in columns NAME_xx, NAME_xy …), or `auto`
+    /// Noise of the samples, for sigma: a number, a column, or `auto`
+    ///
+    /// One standard deviation in the unit of the file, a column of them (or covariances, in columns NAME_xx, NAME_xy …), or
+    /// `auto`: estimated from the residuals.
     #[arg(long, value_name = "SIGMA|NAME|auto", allow_negative_numbers = true)]
     noise: Option<String>,
     /// Weight function [default: poly3]
     #[arg(long, value_enum)]
     weight: Option<WeightName>,
     /// Value below which the Gaussian counts as zero [default: 1e-9]
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true, hide_short_help = true)]
     cut: Option<f64>,
     /// Definition of the surface [default: pss]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, hide_short_help = true)]
     surface: Option<SurfaceName>,
     /// Normal field [default: centred]
     #[arg(long, value_enum)]
     field: Option<FieldName>,
-    /// Degree of the polynomial that stands for the weighted average, 0 to 3 or `auto`: 2 and 3 have no bias from curvature, and
-    /// more noise. `auto` takes the least error of positions, or of normals where these are asked for [default: 0]
+    /// Degree of the polynomial in place of the average, 0 to 3 or `auto` [default: 0]
+    ///
+    /// 2 and 3 have no bias from curvature, and more noise. `auto` takes the least error of positions, or of normals where these
+    /// are asked for.
     #[arg(long, value_name = "M|auto", value_parser = degree)]
     degree: Option<DegreeName>,
     /// Let the next lower degree answer where the samples do not determine the polynomial
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     degree_fallback: bool,
     /// Numbers that sums are computed in [default: double]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, hide_short_help = true)]
     precision: Option<PrecisionName>,
     /// Radius of the domain around each sample, in supports [default: 1]
-    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true, hide_short_help = true)]
     domain_ratio: Option<f64>,
     /// Least n·∇f of a surface point [default: 0.3]
-    #[arg(long, value_name = "COSINE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "COSINE", allow_negative_numbers = true, hide_short_help = true)]
     accept_alignment: Option<f64>,
     /// Least gap of a surface point [default: 0.1]
-    #[arg(long, value_name = "GAP", allow_negative_numbers = true)]
+    #[arg(long, value_name = "GAP", allow_negative_numbers = true, hide_short_help = true)]
     accept_gap: Option<f64>,
     /// Largest distance to the weighted average of a surface point, in supports [default: 0.5; less for some
     /// weights and fields]
-    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true, hide_short_help = true)]
     accept_boundary: Option<f64>,
     /// Replay the definition in this report; other options override it
-    #[arg(long, value_name = "REPORT")]
+    #[arg(long, value_name = "REPORT", hide_short_help = true)]
     pub(super) definition: Option<PathBuf>,
     /// Threads to use; 0 is one per core
-    #[arg(long, default_value_t = 0, help_heading = "Running")]
+    #[arg(long, default_value_t = 0, help_heading = "Running", hide_short_help = true)]
     pub(crate) threads: usize,
     /// Print the report as JSON on standard output
     #[arg(long, help_heading = "Running")]
@@ -82,6 +88,9 @@ pub(crate) struct Common {
     #[arg(long, value_name = "SHARE", num_args = 0..=1, default_missing_value = "0%",
           value_parser = share, help_heading = "Running")]
     pub(crate) strict: Option<f64>,
+    /// Read the files and tell what would be done; compute and write nothing
+    #[arg(long, help_heading = "Running")]
+    pub(crate) dry_run: bool,
     /// Overwrite existing files
     #[arg(long, help_heading = "Running")]
     force: bool,
@@ -89,7 +98,7 @@ pub(crate) struct Common {
     #[arg(short, long, conflicts_with = "verbose", help_heading = "Running")]
     quiet: bool,
     /// Say more
-    #[arg(short, long, action = ArgAction::SetTrue, help_heading = "Running")]
+    #[arg(short, long, action = ArgAction::SetTrue, help_heading = "Running", hide_short_help = true)]
     verbose: bool,
 }
 

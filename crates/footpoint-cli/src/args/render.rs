@@ -22,32 +22,32 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "CLOUD", conflicts_with = "attribute")]
     to: Option<PathBuf>,
     /// Numbers at the ends of the colours, in the unit of what is shown [default: from the picture, without the 2 % furthest out]
-    #[arg(long, value_name = "LOW,HIGH", value_parser = pair, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LOW,HIGH", value_parser = pair, allow_hyphen_values = true, hide_short_help = true)]
     range: Option<[f64; 2]>,
     /// Give colours exactly as in the scale bar, without light
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     flat: bool,
     /// Pixels: width and height, or the width of a picture four wide to three high
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x1200", value_parser = size, help_heading = "Picture")]
     size: [usize; 2],
     /// Rays a pixel: 1, 4, 9, 16, …
-    #[arg(long, value_name = "COUNT", default_value = "4", value_parser = square, help_heading = "Picture")]
+    #[arg(long, value_name = "COUNT", default_value = "4", value_parser = square, help_heading = "Picture", hide_short_help = true)]
     samples: usize,
     /// What lies behind: `white`, `black`, `#rrggbb` or `transparent`
-    #[arg(long, value_name = "COLOUR", default_value = "white", value_parser = background, help_heading = "Picture")]
+    #[arg(long, value_name = "COLOUR", default_value = "white", value_parser = background, help_heading = "Picture", hide_short_help = true)]
     background: Background,
     /// Darken hollows: so many rays from every point that is seen (16 is smooth with --samples 4)
     #[arg(long, value_name = "RAYS", num_args = 0..=1, default_value_t = 0, default_missing_value = "16",
-          help_heading = "Picture")]
+          help_heading = "Picture", hide_short_help = true)]
     occlusion: usize,
     /// Write depths too: PNG, 16 bits of grey; 0 is none, 1 the nearest, 65535 the farthest (see the report)
-    #[arg(long, value_name = "FILE", help_heading = "Picture")]
+    #[arg(long, value_name = "FILE", help_heading = "Picture", hide_short_help = true)]
     depth: Option<PathBuf>,
     /// Write normals too: PNG, 16 bits each of red green blue for x y z from -1 to 1
-    #[arg(long, value_name = "FILE", help_heading = "Picture")]
+    #[arg(long, value_name = "FILE", help_heading = "Picture", hide_short_help = true)]
     normals: Option<PathBuf>,
     /// Write too which pixels show the surface: PNG, 8 bits of grey, 255 or 0
-    #[arg(long, value_name = "FILE", help_heading = "Picture")]
+    #[arg(long, value_name = "FILE", help_heading = "Picture", hide_short_help = true)]
     mask: Option<PathBuf>,
     /// From where to look [default: auto]
     #[arg(long, value_enum, conflicts_with = "look_from", help_heading = "Camera")]
@@ -59,17 +59,23 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera")]
     look_at: Option<[f64; 3]>,
     /// What is up [default: 0,0,1]
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera", hide_short_help = true)]
     look_up: Option<[f64; 3]>,
     /// Perspective, or parallel rays
-    #[arg(long, value_enum, default_value = "perspective", help_heading = "Camera")]
+    #[arg(long, value_enum, default_value = "perspective", help_heading = "Camera", hide_short_help = true)]
     camera: CameraName,
     /// Angle of view from the lower to the upper edge, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = Wish::default().fov_degrees, allow_negative_numbers = true,
-          help_heading = "Camera")]
+          help_heading = "Camera", hide_short_help = true)]
     fov: f64,
     /// Height that an orthographic picture shows, in the unit of the file [default: that of the cloud]
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, help_heading = "Camera")]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_negative_numbers = true,
+        help_heading = "Camera",
+        hide_short_help = true
+    )]
     view_height: Option<f64>,
     #[command(flatten)]
     pub(super) common: Common,
@@ -119,6 +125,11 @@ enum CameraName {
 }
 
 impl RenderArguments {
+    /// The cloud, and the one that distances are measured to.
+    pub(super) fn files_read(&self) -> Vec<PathBuf> {
+        [&self.input].into_iter().chain(&self.to).cloned().collect()
+    }
+
     pub(crate) fn plan(&self) -> Result<RenderPlan, String> {
         if self.view_height.is_some() && self.camera == CameraName::Perspective {
             return Err("--view-height belongs to --camera orthographic".to_owned());

@@ -175,6 +175,20 @@ pub(crate) fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|v| v.to_bits()).collect()
 }
 
+/// Compares a text with `tests/snapshots/NAME`, or writes it there with `FOOTPOINT_WRITE_GOLDEN=1`.
+pub(crate) fn check_snapshot(name: &str, text: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots").join(name);
+    if std::env::var_os("FOOTPOINT_WRITE_GOLDEN").is_some() {
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, text).unwrap();
+    }
+    let expected = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        text == expected,
+        "{name} has changed; look at it and run with FOOTPOINT_WRITE_GOLDEN=1 if that is meant:\n{text}"
+    );
+}
+
 /// A folder of the shared material beside the project, or `None` with a message where it is absent.
 pub(crate) fn shared(folder: &str) -> Option<PathBuf> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared").join(folder);

@@ -1,0 +1,61 @@
+//! The stages of a job, for whoever shows how far it has come.
+
+use crate::{Context, JobError};
+use footpoint::{Progress, Run};
+use footpoint_io::{Input, ReadOptions, ReadProblem, Table, Watch, WriteOptions, read_with, write};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// What a job does, and what its progress counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Stage<'p> {
+    /// Reads this file: bytes, or points where the format is packed.
+    Read(&'p Path),
+    /// Chooses supports and indexes the samples; no progress.
+    Index,
+    /// Computes: points.
+    Compute,
+    /// Draws: rays.
+    Draw,
+    /// Writes this file; no progress.
+    Write(&'p Path),
+}
+
+impl Context<'_> {
+    /// Says that a stage begins.
+    pub(crate) fn begin(&self, stage: Stage<'_>) {
+        if let Some(stages) = self.stage {
+            stages(stage);
+        }
+    }
+
+    pub(crate) fn read(&self, path: &Path) -> Result<Input, JobError> {
+        self.begin(Stage::Read(path));
+        let watch = Watching(&self.run);
+        read_with(path, &ReadOptions { watch: Some(&watch), ..ReadOptions::default() }).map_err(|error| {
+            match *error.problem {
+                ReadProblem::Stopped => JobError::Cancelled,
+                _ => JobError::Read(error),
+            }
+        })
+    }
+
+    pub(crate) fn write(&self, path: &Path, table: &Table) -> Result<(), JobError> {
+        self.begin(Stage::Write(path));
+        let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
+        // A file that is complete is kept: the work is done.
+        if self.run.is_cancelled() { Err(JobError::Cancelled) } else { Ok(write(path, table, &options)?) }
+    }
+}
+
+/// A run as the reader of a file sees it.
+struct Watching<'r>(&'r Run<'r>);
+
+impl Watch for Watching<'_> {
+    fn at(&self, done: u64, all: u64) -> ControlFlow<()> {
+        let count = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
+        self.0.announce(Progress { done: count(done), total: count(all) });
+        if self.0.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
