@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use common::{Sample, bits, extremes, f64_table, names, numbers, parse, real_files};
 use footpoint_io::{
-    Bounds, Column, Data, Format, Frame, Kept, Overwrite, ReadOptions, Table, Unit, WriteOptions, check_table,
-    check_writable, read, read_with, write,
+    Bounds, Column, Data, Format, Frame, Kept, Overwrite, ReadOptions, Table, Unit, WriteOptions,
+    check_table, check_writable, read, read_with, write,
 };
 
 fn options() -> WriteOptions {
@@ -19,7 +19,10 @@ fn options() -> WriteOptions {
 fn written(path: &Path, table: &Table) -> Table {
     write(path, table, &options()).unwrap();
     let input = read(path).unwrap();
-    assert!(input.report.notes.is_empty(), "{}: {:?}", path.display(), input.report);
+    let mut notes = input.report.notes;
+    // Broken keys are kept as they are.
+    notes.retain(|note| !note.contains("GeoTIFF keys"));
+    assert!(notes.is_empty(), "{}: {notes:?}", path.display());
     input.table
 }
 
@@ -54,14 +57,27 @@ fn every_column_of_every_file_survives() {
         let las = written(&folder.path().join("a.las"), &first);
         assert_same(&las, &first, &what);
         let again = written(&folder.path().join("b.las"), &las);
-        assert_eq!(bytes(&folder, "a.las"), bytes(&folder, "b.las"), "{what}");
+        assert!(
+            bytes(&folder, "a.las") == bytes(&folder, "b.las"),
+            "{what}: {}",
+            first_difference(&bytes(&folder, "a.las"), &bytes(&folder, "b.las"))
+        );
         let laz = written(&folder.path().join("a.laz"), &again);
         assert_same(&laz, &first, &what);
         assert_same(&written(&folder.path().join("c.las"), &laz), &first, &what);
         if !file.ends_with("pdal_bad_vlr_count.las") {
-            assert_eq!(bytes(&folder, "c.las"), bytes(&folder, "a.las"), "{what}");
+            assert!(
+                bytes(&folder, "c.las") == bytes(&folder, "a.las"),
+                "{what}: {}",
+                first_difference(&bytes(&folder, "a.las"), &bytes(&folder, "c.las"))
+            );
         }
     }
+}
+
+fn first_difference(a: &[u8], b: &[u8]) -> String {
+    let at = a.iter().zip(b).position(|(a, b)| a != b);
+    format!("{} and {} bytes, first difference at {at:?}", a.len(), b.len())
 }
 
 fn bytes(folder: &tempfile::TempDir, name: &str) -> Vec<u8> {
@@ -77,7 +93,13 @@ fn at<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
 fn point_format_grid_header_and_records_stay() {
     let Some(data) = real_files() else { return };
     let folder = tempfile::tempdir().unwrap();
-    for file in ["laspy_1_4_w_evlr.las", "laspy_extrabytes.las", "pdal_4_6_crop.las", "perm_1.0_1.las", "laspy_simple1_1.las"] {
+    for file in [
+        "laspy_1_4_w_evlr.las",
+        "laspy_extrabytes.las",
+        "pdal_4_6_crop.las",
+        "perm_1.0_1.las",
+        "laspy_simple1_1.las",
+    ] {
         let old = std::fs::read(data.join("las").join(file)).unwrap();
         let path = folder.path().join(file);
         written(&path, &read(&data.join("las").join(file)).unwrap().table);
@@ -117,7 +139,12 @@ fn copc_becomes_laz_without_its_octree() {
 fn new_columns_become_extra_bytes_of_their_own_type() {
     let Some(data) = real_files() else { return };
     let folder = tempfile::tempdir().unwrap();
-    for file in ["las/laspy_simple.laz", "las/laspy_extra.laz", "malformed/laspy_append-bug.laz", "las/laspy_fullwave.laz"] {
+    for file in [
+        "las/laspy_simple.laz",
+        "las/laspy_extra.laz",
+        "malformed/laspy_append-bug.laz",
+        "las/laspy_fullwave.laz",
+    ] {
         let mut table = read(&data.join(file)).unwrap().table;
         let rows = table.rows();
         table.set(Column::new("distance", Data::F64((0..rows).map(|i| i as f64 / 3.0).collect())));
@@ -135,16 +162,17 @@ fn a_part_of_the_points_stays_on_its_grid() {
     let Some(data) = real_files() else { return };
     let folder = tempfile::tempdir().unwrap();
     let bounds = Bounds { low: [636_000.0, 849_000.0, 0.0], high: [637_000.0, 851_000.0, 600.0] };
-    let part = read_with(
-        &data.join("las/laspy_simple.laz"),
-        &ReadOptions { within: Some(bounds), watch: None },
-    );
+    let part =
+        read_with(&data.join("las/laspy_simple.laz"), &ReadOptions { within: Some(bounds), watch: None });
     let table = part.unwrap().table;
     let path = folder.path().join("a.las");
     assert_same(&written(&path, &table), &table, "part");
     let bytes = std::fs::read(&path).unwrap();
     assert_eq!(f64::from_le_bytes(at(&bytes, 131)), 0.01);
-    assert_eq!(f64::from_le_bytes(at(&bytes, 187)), numbers(&table, "x").into_iter().fold(f64::INFINITY, f64::min));
+    assert_eq!(
+        f64::from_le_bytes(at(&bytes, 187)),
+        numbers(&table, "x").into_iter().fold(f64::INFINITY, f64::min)
+    );
 }
 
 #[test]
@@ -207,7 +235,9 @@ fn a_table_of_another_format() {
 fn a_file_that_gets_colours_gets_a_point_format_with_colours() {
     let Some(data) = real_files() else { return };
     let folder = tempfile::tempdir().unwrap();
-    for (file, format) in [("las/perm_1.0_1.las", 3), ("las/laspy_1_4_w_evlr.las", 7), ("las/laspy_simple1_3.las", 5)] {
+    for (file, format) in
+        [("las/perm_1.0_1.las", 3), ("las/laspy_1_4_w_evlr.las", 7), ("las/laspy_simple1_3.las", 5)]
+    {
         let mut table = read(&data.join(file)).unwrap().table;
         for name in ["red", "green", "blue"] {
             table.set(Column::new(name, Data::U8(vec![7; table.rows()])));
@@ -235,7 +265,7 @@ fn the_grid_is_the_coarsest_that_loses_nothing() {
     let (fine, worst) = scale(&[1.0 / 3.0, 100.0]);
     assert!(fine == 1e-7 && worst < 5e-9 * 100.0, "{fine} {worst}");
     assert_eq!(scale(&[2.5; 3]), (0.1, 0.0));
-    assert_eq!(scale(&[1e12, -1e12, 0.5]).0, 1e4);
+    assert_eq!(scale(&[1e12, -1e12, 0.3]).0, 1e3);
     assert_eq!(scale(&[0.1 + 0.2]).1, 0.0);
     assert_eq!(scale(&[]).1, 0.0);
 }

@@ -54,7 +54,9 @@ fn from_keys(head: &Head, notes: &mut Vec<String>) -> las::Result<Frame> {
         .collect();
     let Some(keys) = builder.into_header()?.get_geotiff_crs()? else { return Ok(Frame::default()) };
     if keys.entries.iter().any(|entry| entry.id == 0) {
-        notes.push("some of the GeoTIFF keys are empty; the reference system is what the others say".to_owned());
+        notes.push(
+            "some of the GeoTIFF keys are empty; the reference system is what the others say".to_owned(),
+        );
     }
     let value = |id: u16| {
         let entry = keys.entries.iter().find(|entry| entry.id == id)?;

@@ -31,8 +31,9 @@ impl Head {
     ) -> Result<Self, LasError> {
         let mut start = Vec::new();
         file.by_ref().take(u64::from(u16::MAX)).read_to_end(&mut start)?;
-        if start.get(..4).is_some_and(|bytes| bytes != raw::LASF) {
-            return Err(LasError::Signature);
+        if !start.starts_with(&raw::LASF) {
+            let is_gzip = start.starts_with(&[0x1f, 0x8b]);
+            return Err(if is_gzip { LasError::NotSeekable } else { LasError::Signature });
         }
         let short = |wanted: u64| LasError::Header { wanted, found: size };
         if size < LEAST_HEADER {

@@ -144,8 +144,8 @@ impl<'t> Columns<'t> {
     /// Takes the columns that the fields of the point format hold, each by its name.
     fn take_standard(&mut self, format: u8, header: &raw::Header) -> Vec<(Field, Cow<'t, Data>)> {
         // Colours of 8 bits are widened together or not at all.
-        let bytes = |name: &&str| self.find(name).is_some_and(|column| matches!(column.data, Data::U8(_)));
-        let widen = COLOURS.iter().all(|name| bytes(&name));
+        let bytes = |name: &str| self.find(name).is_some_and(|column| matches!(column.data, Data::U8(_)));
+        let widen = COLOURS.iter().all(|name| bytes(name));
         let mut taken = Vec::new();
         for field in fields::standard(format, header).unwrap_or_default().into_iter().skip(3) {
             let Some(column) = self.find(&field.name) else { continue };
@@ -239,8 +239,7 @@ fn put_grids(header: &mut raw::Header, table: &Table, roles: &Roles) -> Result<(
         let Some(column) = table.columns.get(index) else { continue };
         let data = as_doubles(&column.data);
         let Data::F64(values) = data.as_ref() else { continue };
-        // Not a number is beyond every limit.
-        if let Some(row) = values.iter().position(|value| !(value.abs() < FARTHEST)) {
+        if let Some(row) = values.iter().position(|value| value.is_nan() || value.abs() > FARTHEST) {
             let value = values.get(row).copied().unwrap_or(f64::NAN);
             return Err(LasMisfit::Coordinate { axis: column.name.clone(), row: row + 1, value });
         }

@@ -95,7 +95,8 @@ fn write_evlrs(layout: &mut Layout<'_>, out: &mut (impl Write + Seek)) -> io::Re
     let start_of_first_evlr = out.stream_position()?;
     let mut at = start_of_first_evlr;
     for record in &layout.evlrs {
-        if record.is(SPEC, WAVEFORMS) {
+        // LAS 1.3 has no other extended record, and knows it by this field alone.
+        if record.is(SPEC, WAVEFORMS) || layout.header.version.minor == 3 {
             layout.header.start_of_waveform_data_packet_record = Some(at);
         }
         at += record.size(true);
