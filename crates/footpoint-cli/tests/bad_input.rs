@@ -192,8 +192,8 @@ fn outputs_that_cannot_be_written() {
         ("nowhere/out.csv", vec!["nowhere", "does not exist"]),
         ("dir.csv", vec!["dir.csv", "is a folder"]),
         ("there.csv", vec!["there.csv", "exists already", "--force"]),
-        ("out.las", vec!["out.las", "ply xyz csv"]),
-        ("out", vec!["out", "ply xyz csv"]),
+        ("out.doc", vec!["out.doc", "ply las laz"]),
+        ("out", vec!["out", "ply las laz"]),
         ("there.csv/out.csv", vec!["there.csv"]),
     ] {
         for verb in ["normals sphere.csv", "project sphere.csv", "evaluate sphere.csv --at sphere.csv"] {
@@ -242,7 +242,9 @@ fn malformed_files_and_formats_to_come() {
             continue;
         }
         let wanted = match kind {
-            "las" | "laz" => "LAS/LAZ files are not supported yet",
+            "laz" if name.starts_with("cut.") => "the table of packed chunks",
+            // Read as far as they go; the tests of footpoint-io tell how far.
+            "las" | "laz" => continue,
             "e57" => "E57 files are not supported yet",
             "pcd" => "PCD files are not supported yet",
             "obj" => "OBJ files are not supported yet",

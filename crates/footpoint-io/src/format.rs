@@ -9,6 +9,12 @@ pub enum Format {
     Ply(Encoding),
     /// Rows of separated fields, with or without a header.
     Text,
+    /// ASPRS LAS.
+    Las,
+    /// LAS with packed points.
+    Laz,
+    /// LAZ sorted into an octree.
+    Copc,
 }
 
 /// How a PLY file stores its numbers.
@@ -39,22 +45,23 @@ pub(crate) enum TextKind {
 }
 
 /// Extensions that can be written, for error messages.
-pub(crate) const WRITABLE: &str = "ply xyz csv txt pts pwn xy";
+pub(crate) const WRITABLE: &str = "ply las laz xyz csv txt pts pwn xy";
 
 /// What [`write`](crate::write) makes of a file name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Target {
     Ply,
     Text(TextKind),
+    Las { is_packed: bool },
 }
 
 impl Target {
     pub(crate) fn from_path(path: &Path) -> Option<Self> {
         let extension = extension(path);
-        if extension == "ply" {
-            Some(Self::Ply)
-        } else {
-            TextKind::from_extension(&extension).map(Self::Text)
+        match extension.as_str() {
+            "ply" => Some(Self::Ply),
+            "las" | "laz" => Some(Self::Las { is_packed: extension == "laz" }),
+            _ => TextKind::from_extension(&extension).map(Self::Text),
         }
     }
 }
@@ -77,6 +84,11 @@ pub(crate) fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
+/// Whether a file name ends as those of COPC files do.
+pub(crate) fn is_copc(path: &Path) -> bool {
+    path.file_stem().is_some_and(|stem| extension(Path::new(stem)) == "copc")
+}
+
 /// The extension below a final `.gz`.
 pub(crate) fn extension_inside(path: &Path) -> String {
     let outer = extension(path);
@@ -89,9 +101,6 @@ pub(crate) fn extension_inside(path: &Path) -> String {
 
 /// The name of a known format that is not read, by extension or by the first bytes.
 pub(crate) fn unsupported(extension: &str, head: &[u8]) -> Option<&'static str> {
-    if head.starts_with(b"LASF") {
-        return Some("LAS/LAZ");
-    }
     if head.starts_with(b"ASTM-E57") {
         return Some("E57");
     }
@@ -99,7 +108,6 @@ pub(crate) fn unsupported(extension: &str, head: &[u8]) -> Option<&'static str> 
         return Some("PCD");
     }
     match extension {
-        "las" | "laz" => Some("LAS/LAZ"),
         "e57" => Some("E57"),
         "pcd" => Some("PCD"),
         "obj" => Some("OBJ"),

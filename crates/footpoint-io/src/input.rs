@@ -8,7 +8,7 @@ use thiserror::Error;
 use crate::format::{TextKind, extension_inside, unsupported};
 use crate::roles::{Roles, RolesError};
 use crate::source::Source;
-use crate::{Bounds, Format, PlyError, ReadOptions, Table, TextError, ply, text};
+use crate::{Bounds, Format, LasError, PlyError, ReadOptions, Table, TextError, las, ply, text};
 
 /// A file that has been read.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,6 +72,9 @@ pub enum ReadProblem {
     /// A PLY file that breaks its own rules.
     #[error("{0}")]
     Ply(#[from] PlyError),
+    /// A LAS, LAZ or COPC file that breaks its own rules.
+    #[error("{0}")]
+    Las(LasError),
     /// Its points have no coordinates to choose by.
     #[error("{0}")]
     Roles(#[from] RolesError),
@@ -83,10 +86,11 @@ pub enum ReadProblem {
     Text(#[from] TextError),
 }
 
-/// Reads the point file `path`: PLY by its first line, text by its extension or its content, both also
-/// gzipped.
+/// Reads the point file `path`: PLY by its first line, LAS, LAZ and COPC by their first bytes, text by its
+/// extension or its content; PLY and text also gzipped.
 ///
-/// All rows and columns come in the file's order and types; numbers of text files come as `F64`.
+/// All rows and columns come in the file's order and types; numbers of text files come as `F64`, as do values
+/// that LAS stores with a scale.
 /// Fails, with path and place, on a file that cannot be opened, is cut short, contradicts itself, or is of
 /// a format not supported. Never reserves more memory than the file's bytes can fill.
 pub fn read(path: &Path) -> Result<Input, ReadError> {
@@ -132,6 +136,9 @@ fn read_any(path: &Path, options: &ReadOptions<'_>) -> Result<Input, ReadProblem
         return Ok(Input { table, format: Format::Ply(encoding), report });
     }
     let extension = extension_inside(path);
+    if las::is_las(&head, &extension) {
+        return las::read(path, options);
+    }
     if let Some(name) = unsupported(&extension, &head) {
         return Err(ReadProblem::Unsupported(name));
     }

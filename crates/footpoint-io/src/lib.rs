@@ -5,7 +5,8 @@
 //! own type and in its own place, so a job can add columns and write the rest back untouched.
 //!
 //! Reading: PLY (ascii, little and big endian) and text (`xyz csv txt pts pwn xy`, with or without a
-//! header), each also gzipped. Writing: the same formats, uncompressed, never half a file.
+//! header), each also gzipped, and LAS 1.0 to 1.4, LAZ and COPC. Writing: the same formats but COPC, not
+//! gzipped, never half a file.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -29,6 +30,7 @@
 mod excerpt;
 mod format;
 mod input;
+mod las;
 mod options;
 mod output;
 mod ply;
@@ -40,6 +42,7 @@ mod text;
 
 pub use format::{Encoding, Format};
 pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read, read_with};
+pub use las::{LasError, LasKept, LasMisfit};
 pub use options::{Bounds, ReadOptions, Watch};
 pub use output::{
     Overwrite, WriteError, WriteOptions, WriteProblem, check_file, check_table, check_writable, write,

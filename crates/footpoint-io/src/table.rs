@@ -1,5 +1,7 @@
 //! Tables of named columns: what a point file holds, whatever its format.
 
+use crate::LasKept;
+
 /// The points of one file: named columns of equal length, one row per point, in the file's order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
@@ -40,7 +42,10 @@ pub enum Unit {
 /// What only a file of the same format can hold.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Kept {}
+pub enum Kept {
+    /// Of LAS, LAZ and COPC.
+    Las(Box<LasKept>),
+}
 
 /// One named column.
 #[derive(Debug, Clone, PartialEq)]

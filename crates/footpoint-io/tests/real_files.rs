@@ -14,7 +14,7 @@ use footpoint_io::roles::Roles;
 use serde_json::Value;
 
 /// Files that are refused, and what the message must say.
-const REFUSED: [(&str, &str); 23] = [
+const REFUSED: [(&str, &str); 22] = [
     ("malformed/cut_ascii.ply", "unexpected end of file in element vertex, row 877 of 1889"),
     ("malformed/cut_binary_be.ply", "its 6789 rows want 108624 bytes, found 99758"),
     ("malformed/huge_count.ply", "its 4000000000000 rows want 48000000000000 bytes, found 100"),
@@ -41,7 +41,6 @@ const REFUSED: [(&str, &str); 23] = [
     // One row of eleven has a fourth value: dropping it, or the row, would lose something in silence.
     ("text/pdal_utm17_3.txt", "line 5: 4 fields, but the header in line 1 names 3 columns"),
     ("mesh/moebius.obj", "OBJ files are not supported yet"),
-    ("photo/outcrop_sfm.laz", "LAS/LAZ files are not supported yet"),
 ];
 
 const FOLDERS: [&str; 10] =

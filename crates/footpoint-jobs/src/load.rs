@@ -84,6 +84,9 @@ impl Loaded {
             format: match self.input.format {
                 Format::Ply(_) => "ply",
                 Format::Text => "text",
+                Format::Las => "las",
+                Format::Laz => "laz",
+                Format::Copc => "copc",
             },
             points: table.rows(),
             dimension: self.roles.dimension(),

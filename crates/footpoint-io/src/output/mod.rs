@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
-use crate::format::{Target, WRITABLE};
-use crate::{Encoding, Table};
+use crate::format::{Target, WRITABLE, is_copc};
+use crate::{Encoding, LasMisfit, Table, las};
 
 const BUFFER: usize = 1 << 20;
 
@@ -78,6 +78,9 @@ pub enum WriteProblem {
     /// Two columns of one name, which no reader could tell apart.
     #[error("two columns are named `{0}`; rename one")]
     DuplicateName(String),
+    /// What LAS cannot hold.
+    #[error("{0}")]
+    Las(#[from] LasMisfit),
     /// A column of text, which PLY cannot hold.
     #[error("column `{0}` holds text, which PLY cannot; write csv or txt, or leave the column out")]
     TextInPly(String),
@@ -104,25 +107,26 @@ pub enum WriteProblem {
 /// The extension must be known, the folder must exist and take a new file (one is made there and removed),
 /// and the name must be free or, with [`Overwrite::Replace`], a plain file.
 pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<(), WriteError> {
-    at(path, || Target::from_path(path).map(drop).ok_or(WriteProblem::UnknownExtension))?;
+    at(path, || target_of(path).map(drop))?;
     check_file(path, overwrite)
 }
 
 /// Checks that the format of `path` can hold `table`: columns of one length, names of their own, no text
-/// columns in PLY, no line breaks in text.
+/// columns in PLY and LAS, finite coordinates in LAS, no line breaks in text.
 pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
-    at(path, || check_columns(Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?, table))
+    at(path, || check_columns(target_of(path)?, table))
 }
 
-/// Writes `table` to `path` in the format of its extension: `ply xyz csv txt pts pwn xy`.
+/// Writes `table` to `path` in the format of its extension: `ply las laz xyz csv txt pts pwn xy`.
 ///
-/// All values read back as the same numbers; text keeps no types, `pts` no names and no comments, `csv` no
+/// All values read back as the same numbers, but for coordinates in LAS, which [`LasKept`](crate::LasKept)
+/// tells of; text keeps no types, `pts` no names and no comments, `csv` no
 /// comments, for the sake of other readers. A partial file beside `path` (`.NAME.*.partial`) becomes `path`
 /// in one step when it is complete, and is removed on any error. Fails as [`check_writable`] and
 /// [`check_table`] do, and on a full disk.
 pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), WriteError> {
     let target = at(path, || {
-        let target = Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?;
+        let target = target_of(path)?;
         check_columns(target, table).map(|()| target)
     })?;
     write_file(path, options.overwrite, |file| fill(file, target, table, options.ply))
@@ -167,11 +171,20 @@ fn at<T>(path: &Path, work: impl FnOnce() -> Result<T, WriteProblem>) -> Result<
     work().map_err(|problem| WriteError { path: path.to_owned(), problem })
 }
 
+fn target_of(path: &Path) -> Result<Target, WriteProblem> {
+    let target = Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?;
+    match target {
+        Target::Las { .. } if is_copc(path) => Err(LasMisfit::Copc.into()),
+        target => Ok(target),
+    }
+}
+
 fn fill(file: &mut std::fs::File, target: Target, table: &Table, encoding: Encoding) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER, file);
     match target {
         Target::Ply => ply::write(&mut out, table, encoding)?,
         Target::Text(kind) => text::write(&mut out, table, kind)?,
+        Target::Las { is_packed } => las::write(&mut out, table, is_packed)?,
     }
     out.flush()
 }
@@ -221,7 +234,11 @@ fn check_columns(target: Target, table: &Table) -> Result<(), WriteProblem> {
         match target {
             Target::Ply => ply::check(column)?,
             Target::Text(_) => text::check(column)?,
+            Target::Las { .. } => {}
         }
+    }
+    if matches!(target, Target::Las { .. }) {
+        las::check(table)?;
     }
     Ok(())
 }

@@ -1,0 +1,182 @@
+//! Broken LAS, LAZ and COPC files: an error that names the place, or what can be read with a note; never a panic.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests, which are exempt")]
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use common::{Sample, real_files, refusal};
+use footpoint_io::{Bounds, Column, Data, ReadOptions, WriteOptions, read, read_with, write};
+
+/// Refused with this reason, or read with so many points and this note.
+type Wanted = Result<(usize, &'static str), &'static str>;
+
+const MALFORMED: [(&str, Wanted); 10] = [
+    ("cut.las", Ok((0, "its header says 1 points, 0 are there"))),
+    ("cut.laz", Err("the table of packed chunks")),
+    ("cut.copc.laz", Err("the table of packed chunks")),
+    ("laspy_append-bug.laz", Ok((37_805, ""))),
+    ("pdal_bad-geotiff-keys.las", Ok((10, "some of the GeoTIFF keys are empty"))),
+    ("pdal_bad_vlr_count.las", Ok((10, "variable length records"))),
+    ("pdal_garbage_nVariableLength.las", Ok((718, "counts 1069128089 variable length records"))),
+    ("pdal_gps-time-nan.las", Ok((1, ""))),
+    ("pdal_lots_of_vlr.las", Ok((1, ""))),
+    ("pdal_spurious.las", Ok((1065, ""))),
+];
+
+#[test]
+fn malformed_files() {
+    let Some(data) = real_files() else { return };
+    for (file, wanted) in MALFORMED {
+        let start = Instant::now();
+        let found = read(&data.join("malformed").join(file));
+        match wanted {
+            Ok((rows, note)) => {
+                let input = found.unwrap();
+                assert_eq!(input.table.rows(), rows, "{file}");
+                let notes = input.report.notes.join("; ");
+                assert!(notes.contains(note) && notes.is_empty() == note.is_empty(), "{file}: {notes}");
+            }
+            Err(reason) => {
+                let message = found.unwrap_err().to_string();
+                assert!(message.contains(file) && message.contains(reason), "{message}");
+            }
+        }
+        assert!(start.elapsed() < Duration::from_secs(1), "{file} is slow");
+    }
+}
+
+/// Small files of each kind, some of them ours.
+fn samples(data: &Path) -> Vec<(&'static str, Vec<u8>)> {
+    let mut samples = Vec::new();
+    for file in ["perm_1.2_3.las", "laspy_simple.laz", "lidr_dbh.laz"] {
+        samples.push((file, std::fs::read(data.join("las").join(file)).unwrap()));
+    }
+    samples.push(("page.copc.laz", std::fs::read(data.join("copc/simple_with_page.copc.laz")).unwrap()));
+    let folder = tempfile::tempdir().unwrap();
+    let within = Some(Bounds { low: [0.0; 3], high: [194_270.0, 1e9, 1e9] });
+    for (name, file) in [("wave.laz", "laspy_fullwave.laz"), ("extra.las", "laspy_extra.laz")] {
+        let mut table =
+            read_with(&data.join("las").join(file), &ReadOptions { within, watch: None }).unwrap().table;
+        if table.rows() == 0 {
+            table = read(&data.join("las").join(file)).unwrap().table;
+        }
+        table.set(Column::new("more", Data::F32(vec![1.5; table.rows()])));
+        let path = folder.path().join(name);
+        write(&path, &table, &WriteOptions::default()).unwrap();
+        samples.push((name, std::fs::read(&path).unwrap()));
+    }
+    samples
+}
+
+/// Reads the bytes, also within a box; any result will do, as long as it is soon there and even.
+fn survives(name: &str, bytes: &[u8]) -> Option<usize> {
+    let sample = Sample::new(name, bytes);
+    let start = Instant::now();
+    let within = Some(Bounds { low: [0.0; 3], high: [637_000.0, 851_000.0, 600.0] });
+    let part = read_with(&sample.path, &ReadOptions { within, watch: None });
+    let whole = read(&sample.path);
+    assert!(start.elapsed() < Duration::from_secs(5), "{name}: slow");
+    for input in part.iter().chain(&whole) {
+        let rows = input.table.rows();
+        assert!(input.table.columns.iter().all(|column| column.data.len() == rows));
+    }
+    whole.ok().map(|input| input.table.rows())
+}
+
+#[test]
+fn cut_anywhere() {
+    let Some(data) = real_files() else { return };
+    for (name, bytes) in samples(&data) {
+        let whole = survives(name, &bytes).unwrap();
+        // Every byte of the head, then in steps.
+        let cuts = (0..bytes.len().min(700)).chain((700..bytes.len()).step_by(bytes.len() / 120 + 1));
+        for cut in cuts {
+            let rows = survives(name, &bytes[..cut]);
+            assert!(rows.is_none_or(|rows| rows <= whole), "{name} cut at {cut}");
+            // A packed file that is cut before what stands behind the points has lost its table of chunks.
+            assert!(
+                name.ends_with("las") || rows.is_none() || cut + 4000 > bytes.len(),
+                "{name} cut at {cut}"
+            );
+        }
+    }
+}
+
+#[test]
+fn flipped_bytes() {
+    let Some(data) = real_files() else { return };
+    let mut state = 42_u64;
+    let mut below = |limit: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) as usize) % limit
+    };
+    for (name, bytes) in samples(&data) {
+        for round in 0..150 {
+            let mut broken = bytes.clone();
+            // Half of the damage goes to the head.
+            let reach = if round % 2 == 0 { broken.len() } else { broken.len().min(700) };
+            for _ in 0..=below(4) {
+                let at = below(reach);
+                broken[at] = if below(2) == 0 {
+                    broken[at] ^ (1 << below(8))
+                } else {
+                    [0, 0x7f, 0x80, 0xff][below(4)]
+                };
+            }
+            survives(name, &broken);
+        }
+    }
+}
+
+/// A small packed file with `value` put in at `at`.
+fn changed(at: usize, value: &[u8]) -> Option<(PathBuf, Vec<u8>)> {
+    let path = real_files()?.join("las/laspy_simple.laz");
+    let mut bytes = std::fs::read(&path).unwrap();
+    bytes[at..at + value.len()].copy_from_slice(value);
+    Some((path, bytes))
+}
+
+#[test]
+fn each_lie_is_named() {
+    for (at, value, reason) in [
+        (0, &b"LASX"[..], "its first four bytes are not `LASF`"),
+        (24, &[1, 7], "LAS version 1.7 is not supported"),
+        (104, &[0x80 | 11], "unknown point format 11"),
+        (105, &[10, 0], "point records of 10 bytes, but point format 3 wants at least 34"),
+        (107, &[0xff; 4], "says 4294967295 points, which"),
+        (107, &[0x00, 0x00, 0x01, 0x00], "holds 50000 of 65536 points"),
+        (131, &[0; 8], "scale 0 and offset"),
+        (100, &[0; 4], "no record `laszip encoded`"),
+    ] {
+        let Some((_, bytes)) = changed(at, value) else { return };
+        let message = refusal("a.laz", &bytes);
+        assert!(message.contains(reason), "wanted `{reason}` in: {message}");
+    }
+    assert!(refusal("a.las", "x").contains("not a LAS file"));
+    assert!(refusal("a.las", "LASF").contains("the header wants 227 bytes, the file has 4"));
+}
+
+#[test]
+fn chunk_tables_and_points_that_lie() {
+    let Some((path, bytes)) = changed(0, b"LASF") else { return };
+    let start = u32::from_le_bytes(bytes[96..100].try_into().unwrap()) as usize;
+    let table = i64::from_le_bytes(bytes[start..start + 8].try_into().unwrap()) as usize;
+    let with = |at: usize, value: &[u8]| {
+        let mut bytes = bytes.clone();
+        bytes[at..at + value.len()].copy_from_slice(value);
+        refusal("a.laz", bytes)
+    };
+    let message = with(table + 4, &[0xff; 4]);
+    assert!(message.contains("counts 4294967295 chunks, which the file cannot hold"), "{message}");
+    let message = with(start, &i64::MAX.to_le_bytes());
+    assert!(message.contains("lies beyond the end of the file"), "{message}");
+    // The place of the table may stand at the end of the file instead.
+    let mut moved = bytes.clone();
+    moved[start..start + 8].copy_from_slice(&(-1_i64).to_le_bytes());
+    moved.extend((table as i64).to_le_bytes());
+    let sample = Sample::new("a.laz", moved);
+    assert_eq!(read(&sample.path).unwrap().table.columns, read(&path).unwrap().table.columns);
+}

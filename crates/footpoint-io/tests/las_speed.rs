@@ -1,0 +1,54 @@
+//! How fast LAZ is read, against the `las` crate used directly; for a quiet machine, so not among the usual tests.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests, which are exempt")]
+
+mod common;
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use common::real_files;
+use footpoint_io::read;
+use rustix::time::{ClockId, clock_gettime};
+
+/// The least time of the processor, of five runs.
+fn cpu_time(mut work: impl FnMut()) -> Duration {
+    let now = || Duration::try_from(clock_gettime(ClockId::ProcessCPUTime)).unwrap();
+    let mut times = Vec::new();
+    for _ in 0..5 {
+        let start = now();
+        work();
+        times.push(now() - start);
+    }
+    times.into_iter().min().unwrap()
+}
+
+#[test]
+#[ignore = "takes a quiet machine; run it with --release -- --ignored --nocapture"]
+fn laz_is_read_as_fast_as_by_the_las_crate() {
+    let Some(data) = real_files() else { return };
+    for file in ["las/autzen_south6.laz", "copc/lone-star.copc.laz", "las/ahn3_cropped_2.laz"] {
+        let path = data.join(file);
+        let ours = cpu_time(|| drop(black_box(read(&path).unwrap())));
+        let theirs = cpu_time(|| {
+            let mut reader = las::Reader::from_path(&path).unwrap();
+            drop(black_box(reader.read_all().unwrap()));
+        });
+        let points = cpu_time(|| {
+            let mut reader = las::Reader::from_path(&path).unwrap();
+            let records = reader.read_all().unwrap();
+            drop(black_box(records.points().map(Result::unwrap).collect::<Vec<_>>()));
+        });
+        let rows = read(&path).unwrap().table.rows() as f64;
+        let rate = |time: Duration| rows / time.as_secs_f64() / 1e6;
+        let ratio = theirs.as_secs_f64() / ours.as_secs_f64();
+        println!(
+            "{file}: {:.2} million points a second; las: {:.2} as records ({ratio:.2}), {:.2} as points ({:.2})",
+            rate(ours),
+            rate(theirs),
+            rate(points),
+            points.as_secs_f64() / ours.as_secs_f64(),
+        );
+        assert!(points >= ours.mul_f64(0.9), "{file}: slower than the las crate");
+    }
+}
