@@ -2,11 +2,17 @@
 
 use std::path::Path;
 
+use crate::PcdEncoding;
+
 /// The format of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Stanford PLY.
     Ply(Encoding),
+    /// ASTM E57.
+    E57,
+    /// PCD of the point cloud library.
+    Pcd(PcdEncoding),
     /// Rows of separated fields, with or without a header.
     Text,
 }
@@ -39,22 +45,25 @@ pub(crate) enum TextKind {
 }
 
 /// Extensions that can be written, for error messages.
-pub(crate) const WRITABLE: &str = "ply xyz csv txt pts pwn xy";
+pub(crate) const WRITABLE: &str = "ply e57 pcd xyz csv txt pts pwn xy";
 
 /// What [`write`](crate::write) makes of a file name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Target {
     Ply,
+    E57,
+    Pcd,
     Text(TextKind),
 }
 
 impl Target {
     pub(crate) fn from_path(path: &Path) -> Option<Self> {
         let extension = extension(path);
-        if extension == "ply" {
-            Some(Self::Ply)
-        } else {
-            TextKind::from_extension(&extension).map(Self::Text)
+        match extension.as_str() {
+            "ply" => Some(Self::Ply),
+            "e57" => Some(Self::E57),
+            "pcd" => Some(Self::Pcd),
+            _ => TextKind::from_extension(&extension).map(Self::Text),
         }
     }
 }
@@ -92,16 +101,9 @@ pub(crate) fn unsupported(extension: &str, head: &[u8]) -> Option<&'static str> 
     if head.starts_with(b"LASF") {
         return Some("LAS/LAZ");
     }
-    if head.starts_with(b"ASTM-E57") {
-        return Some("E57");
-    }
-    if head.starts_with(b"# .PCD") {
-        return Some("PCD");
-    }
     match extension {
         "las" | "laz" => Some("LAS/LAZ"),
         "e57" => Some("E57"),
-        "pcd" => Some("PCD"),
         "obj" => Some("OBJ"),
         "ptx" => Some("PTX"),
         _ => None,

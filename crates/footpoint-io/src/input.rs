@@ -8,7 +8,9 @@ use thiserror::Error;
 use crate::format::{TextKind, extension_inside, unsupported};
 use crate::roles::{Roles, RolesError};
 use crate::source::Source;
-use crate::{Bounds, Format, PlyError, ReadOptions, Table, TextError, ply, text};
+use crate::{
+    Bounds, E57Error, Format, PcdError, PlyError, ReadOptions, Table, TextError, e57, pcd, ply, text,
+};
 
 /// A file that has been read.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,6 +74,12 @@ pub enum ReadProblem {
     /// A PLY file that breaks its own rules.
     #[error("{0}")]
     Ply(#[from] PlyError),
+    /// An E57 file that breaks its own rules.
+    #[error("{0}")]
+    E57(#[from] E57Error),
+    /// A PCD file that breaks its own rules.
+    #[error("{0}")]
+    Pcd(#[from] PcdError),
     /// Its points have no coordinates to choose by.
     #[error("{0}")]
     Roles(#[from] RolesError),
@@ -131,7 +139,16 @@ fn read_any(path: &Path, options: &ReadOptions<'_>) -> Result<Input, ReadProblem
         let (table, encoding, report) = unless_stopped(&source, read)?;
         return Ok(Input { table, format: Format::Ply(encoding), report });
     }
+    if e57::is_e57(&head) {
+        let (table, report) = e57::read(path, options.watch)?;
+        return Ok(Input { table, format: Format::E57, report });
+    }
     let extension = extension_inside(path);
+    if pcd::is_pcd(&head) || extension == "pcd" {
+        let read = pcd::read(&mut source);
+        let (table, encoding, report) = unless_stopped(&source, read)?;
+        return Ok(Input { table, format: Format::Pcd(encoding), report });
+    }
     if let Some(name) = unsupported(&extension, &head) {
         return Err(ReadProblem::Unsupported(name));
     }

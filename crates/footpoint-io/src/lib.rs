@@ -26,11 +26,13 @@
 // No panic on data and nothing on standard output by accident; tests may.
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod e57;
 mod excerpt;
 mod format;
 mod input;
 mod options;
 mod output;
+mod pcd;
 mod ply;
 pub mod roles;
 mod scalar;
@@ -38,6 +40,7 @@ mod source;
 mod table;
 mod text;
 
+pub use e57::{E57Error, E57Kept, E57Scan, Pose};
 pub use format::{Encoding, Format};
 pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read, read_with};
 pub use options::{Bounds, ReadOptions, Watch};
@@ -45,6 +48,7 @@ pub use output::{
     Overwrite, WriteError, WriteOptions, WriteProblem, check_file, check_table, check_writable, write,
     write_file,
 };
+pub use pcd::{PcdEncoding, PcdError, PcdKept};
 pub use ply::PlyError;
 pub use table::{Column, Data, Frame, Kept, Table, Unit};
 pub use text::TextError;

@@ -1,5 +1,7 @@
 //! Tables of named columns: what a point file holds, whatever its format.
 
+use crate::{E57Kept, PcdKept};
+
 /// The points of one file: named columns of equal length, one row per point, in the file's order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
@@ -40,7 +42,12 @@ pub enum Unit {
 /// What only a file of the same format can hold.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Kept {}
+pub enum Kept {
+    /// Of an E57 file.
+    E57(E57Kept),
+    /// Of a PCD file.
+    Pcd(PcdKept),
+}
 
 /// One named column.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use footpoint_io::{Column, Data, Encoding, Format, Input, Overwrite, Table, Writ
 fn there_and_back(table: &Table, name: &str, ply: Encoding) -> Input {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
-    write(&path, table, &WriteOptions { overwrite: Overwrite::Refuse, ply }).unwrap();
+    write(&path, table, &WriteOptions { ply, ..WriteOptions::default() }).unwrap();
     read(&path).unwrap()
 }
 
