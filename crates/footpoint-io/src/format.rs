@@ -103,7 +103,6 @@ pub(crate) fn unsupported(extension: &str, head: &[u8]) -> Option<&'static str> 
     }
     match extension {
         "las" | "laz" => Some("LAS/LAZ"),
-        "e57" => Some("E57"),
         "obj" => Some("OBJ"),
         "ptx" => Some("PTX"),
         _ => None,

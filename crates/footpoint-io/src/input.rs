@@ -91,8 +91,8 @@ pub enum ReadProblem {
     Text(#[from] TextError),
 }
 
-/// Reads the point file `path`: PLY by its first line, text by its extension or its content, both also
-/// gzipped.
+/// Reads the point file `path`: PLY, E57 and PCD by their first bytes, text by its extension or its content;
+/// all but E57 also gzipped.
 ///
 /// All rows and columns come in the file's order and types; numbers of text files come as `F64`.
 /// Fails, with path and place, on a file that cannot be opened, is cut short, contradicts itself, or is of
@@ -139,11 +139,11 @@ fn read_any(path: &Path, options: &ReadOptions<'_>) -> Result<Input, ReadProblem
         let (table, encoding, report) = unless_stopped(&source, read)?;
         return Ok(Input { table, format: Format::Ply(encoding), report });
     }
-    if e57::is_e57(&head) {
+    let extension = extension_inside(path);
+    if e57::is_e57(&head) || extension == "e57" {
         let (table, report) = e57::read(path, options.watch)?;
         return Ok(Input { table, format: Format::E57, report });
     }
-    let extension = extension_inside(path);
     if pcd::is_pcd(&head) || extension == "pcd" {
         let read = pcd::read(&mut source);
         let (table, encoding, report) = unless_stopped(&source, read)?;

@@ -4,8 +4,9 @@
 //! mean (coordinates, normals) is the business of [`roles`] alone. Every column of a file is kept in its
 //! own type and in its own place, so a job can add columns and write the rest back untouched.
 //!
-//! Reading: PLY (ascii, little and big endian) and text (`xyz csv txt pts pwn xy`, with or without a
-//! header), each also gzipped. Writing: the same formats, uncompressed, never half a file.
+//! Reading: PLY (ascii, little and big endian), PCD (ascii, binary, compressed) and text (`xyz csv txt pts
+//! pwn xy`, with or without a header), each also gzipped, and E57 (all scans, in their common frame).
+//! Writing: the same formats, uncompressed, never half a file.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -5,7 +5,7 @@
 mod common;
 
 use common::{bits, extremes, f64_table, names};
-use footpoint_io::{Column, Data, Encoding, Format, Input, Overwrite, Table, WriteOptions, read, write};
+use footpoint_io::{Column, Data, Encoding, Format, Input, Table, WriteOptions, read, write};
 
 fn there_and_back(table: &Table, name: &str, ply: Encoding) -> Input {
     let folder = tempfile::tempdir().unwrap();

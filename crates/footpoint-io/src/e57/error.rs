@@ -10,6 +10,9 @@ pub enum E57Error {
     /// The operating system failed.
     #[error("cannot read: {0}")]
     Io(#[from] io::Error),
+    /// There is no E57 file.
+    #[error("not an E57 file, it does not begin with `ASTM-E57`; get the file again")]
+    NotE57,
     /// An E57 file inside a gzipped one.
     #[error("a gzipped E57 file; unpack it first (gunzip)")]
     Gzipped,

@@ -9,7 +9,7 @@ use e57::{E57Reader, PointCloud, RecordName, RecordValue};
 
 use super::file::{Limits, Tracked};
 use super::records::{self, Extended, bits, column_name, number, push, scalar};
-use super::{E57Error, E57Kept, E57Scan, Pose};
+use super::{E57Error, E57Kept, E57Scan, Pose, is_e57};
 use crate::input::ReadProblem;
 use crate::scalar::Scalar;
 use crate::{Column, Data, Frame, Kept, ReadReport, Table, Unit, Watch};
@@ -83,8 +83,8 @@ fn check_length(file: &mut File) -> Result<(), E57Error> {
     let mut header = Vec::new();
     file.by_ref().take(24).read_to_end(&mut header)?;
     file.rewind()?;
-    if !super::is_e57(&header) {
-        return Err(E57Error::Gzipped);
+    if !is_e57(&header) {
+        return Err(if header.starts_with(&[0x1f, 0x8b]) { E57Error::Gzipped } else { E57Error::NotE57 });
     }
     let found = file.metadata()?.len();
     let stated = header.get(16..).and_then(|rest| rest.first_chunk()).map_or(24, |b| u64::from_le_bytes(*b));

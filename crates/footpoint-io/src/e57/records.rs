@@ -181,7 +181,8 @@ pub(super) fn data_type(data: &Data) -> Option<RecordDataType> {
             (0, i64::MAX)
         }
         Data::I64(values) => {
-            let (low, high) = values.iter().fold((0, 0), |(low, high), &n| (n.min(low), n.max(high)));
+            let low = values.iter().copied().min().unwrap_or(0);
+            let high = values.iter().copied().max().unwrap_or(0);
             let min = if low < -HALF { low } else { -HALF.min(i64::MAX - high).max(1) };
             let max = min.checked_add(i64::MAX)?;
             (min <= low && high <= max).then_some((min, max))?

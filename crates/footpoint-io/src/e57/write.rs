@@ -91,7 +91,7 @@ fn write_all(file: &mut File, table: &Table) -> e57::Result<()> {
         let mut bounds = None;
         let is_empty = rows.is_empty();
         for row in rows {
-            let point = layout.point(table, row, kept);
+            let point = layout.point(row);
             if point.iter().all(|c| c.is_finite()) && layout.is_valid(row) {
                 extend(&mut bounds, point);
             }
@@ -122,7 +122,7 @@ fn kept(table: &Table) -> Option<&E57Kept> {
 
 /// The rows of each scan to write: by the column `scan` of the file that was read, if it still counts up.
 fn scans(table: &Table) -> Vec<Range<usize>> {
-    let all = || vec![0..table.rows()];
+    let all = || std::iter::once(0..table.rows()).collect();
     let Some(known) = kept(table).map(|kept| kept.scans.len()).filter(|&known| known > 1) else {
         return all();
     };
@@ -145,6 +145,8 @@ struct Layout<'t> {
     axes: [usize; 3],
     /// The states of coordinates, if a column says them.
     states: Option<&'t [u8]>,
+    /// What the file read states of invalid points, if the table still has its rows.
+    stated: &'t [(usize, [f64; 3])],
     /// Whether an attribute has to be added for points that are not finite.
     marks_invalid: bool,
 }
@@ -153,7 +155,11 @@ impl<'t> Layout<'t> {
     fn of(table: &'t Table, scans: &[Range<usize>]) -> Self {
         let places = records::coordinates(table).unwrap_or_default();
         let extensions = kept(table).map_or(&[][..], |kept| kept.extensions.as_slice());
-        let mut layout = Self { fields: Vec::new(), axes: [0; 3], states: None, marks_invalid: false };
+        let has_rows =
+            |kept: &&E57Kept| kept.scans.iter().map(|scan| scan.rows).sum::<usize>() == table.rows();
+        let stated = kept(table).filter(has_rows).map_or(&[][..], |kept| kept.stated.as_slice());
+        let mut layout =
+            Self { fields: Vec::new(), axes: [0; 3], states: None, stated, marks_invalid: false };
         for (index, column) in table.columns.iter().enumerate() {
             if scans.len() > 1 && column.name == "scan" {
                 continue;
@@ -215,19 +221,18 @@ impl<'t> Layout<'t> {
     }
 
     /// The coordinates to write in a row: of an invalid point, those that the file read states.
-    fn point(&self, table: &Table, row: usize, kept: &E57Kept) -> [f64; 3] {
+    fn point(&self, row: usize) -> [f64; 3] {
         let point = self.axes.map(|place| {
             let value = self.fields.get(place).and_then(|(record, column)| {
                 Some(records::number(&records::value(&column.data, row)?, &record.data_type))
             });
             value.unwrap_or(f64::NAN)
         });
-        let rows: usize = kept.scans.iter().map(|scan| scan.rows).sum();
-        if self.is_valid(row) || !point.iter().all(|c| c.is_nan()) || rows != table.rows() {
+        if self.is_valid(row) || !point.iter().all(|c| c.is_nan()) {
             return point;
         }
-        let stated = kept.stated.binary_search_by_key(&row, |(row, _)| *row).ok();
-        stated.and_then(|place| kept.stated.get(place)).map_or(point, |(_, stated)| *stated)
+        let stated = self.stated.binary_search_by_key(&row, |(row, _)| *row).ok();
+        stated.and_then(|place| self.stated.get(place)).map_or(point, |(_, stated)| *stated)
     }
 
     fn values(&self, row: usize, point: [f64; 3]) -> Vec<RecordValue> {
