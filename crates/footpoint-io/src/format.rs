@@ -2,11 +2,17 @@
 
 use std::path::Path;
 
+use crate::PcdEncoding;
+
 /// The format of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Stanford PLY.
     Ply(Encoding),
+    /// ASTM E57.
+    E57,
+    /// PCD of the point cloud library.
+    Pcd(PcdEncoding),
     /// Rows of separated fields, with or without a header.
     Text,
     /// ASPRS LAS.
@@ -45,12 +51,14 @@ pub(crate) enum TextKind {
 }
 
 /// Extensions that can be written, for error messages.
-pub(crate) const WRITABLE: &str = "ply las laz xyz csv txt pts pwn xy";
+pub(crate) const WRITABLE: &str = "ply las laz e57 pcd xyz csv txt pts pwn xy";
 
 /// What [`write`](crate::write) makes of a file name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Target {
     Ply,
+    E57,
+    Pcd,
     Text(TextKind),
     Las { is_packed: bool },
 }
@@ -61,6 +69,8 @@ impl Target {
         match extension.as_str() {
             "ply" => Some(Self::Ply),
             "las" | "laz" => Some(Self::Las { is_packed: extension == "laz" }),
+            "e57" => Some(Self::E57),
+            "pcd" => Some(Self::Pcd),
             _ => TextKind::from_extension(&extension).map(Self::Text),
         }
     }
@@ -101,15 +111,7 @@ pub(crate) fn extension_inside(path: &Path) -> String {
 
 /// The name of a known format that is not read, by extension or by the first bytes.
 pub(crate) fn unsupported(extension: &str, head: &[u8]) -> Option<&'static str> {
-    if head.starts_with(b"ASTM-E57") {
-        return Some("E57");
-    }
-    if head.starts_with(b"# .PCD") {
-        return Some("PCD");
-    }
     match extension {
-        "e57" => Some("E57"),
-        "pcd" => Some("PCD"),
         "obj" => Some("OBJ"),
         "ptx" => Some("PTX"),
         _ => None,

@@ -8,7 +8,9 @@ use thiserror::Error;
 use crate::format::{TextKind, extension_inside, unsupported};
 use crate::roles::{Roles, RolesError};
 use crate::source::Source;
-use crate::{Bounds, Format, LasError, PlyError, ReadOptions, Table, TextError, las, ply, text};
+use crate::{
+    Bounds, E57Error, Format, LasError, PcdError, PlyError, ReadOptions, Table, TextError, e57, las, pcd, ply, text,
+};
 
 /// A file that has been read.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,6 +77,12 @@ pub enum ReadProblem {
     /// A LAS, LAZ or COPC file that breaks its own rules.
     #[error("{0}")]
     Las(LasError),
+    /// An E57 file that breaks its own rules.
+    #[error("{0}")]
+    E57(#[from] E57Error),
+    /// A PCD file that breaks its own rules.
+    #[error("{0}")]
+    Pcd(#[from] PcdError),
     /// Its points have no coordinates to choose by.
     #[error("{0}")]
     Roles(#[from] RolesError),
@@ -86,8 +94,8 @@ pub enum ReadProblem {
     Text(#[from] TextError),
 }
 
-/// Reads the point file `path`: PLY by its first line, LAS, LAZ and COPC by their first bytes, text by its
-/// extension or its content; PLY and text also gzipped.
+/// Reads the point file `path`: PLY, LAS, LAZ, COPC, E57 and PCD by their first bytes, text by its extension or its
+/// content; PLY, PCD and text also gzipped.
 ///
 /// All rows and columns come in the file's order and types; numbers of text files come as `F64`, as do values
 /// that LAS stores with a scale.
@@ -138,6 +146,15 @@ fn read_any(path: &Path, options: &ReadOptions<'_>) -> Result<Input, ReadProblem
     let extension = extension_inside(path);
     if las::is_las(&head, &extension) {
         return las::read(path, options);
+    }
+    if e57::is_e57(&head) || extension == "e57" {
+        let (table, report) = e57::read(path, options.watch)?;
+        return Ok(Input { table, format: Format::E57, report });
+    }
+    if pcd::is_pcd(&head) || extension == "pcd" {
+        let read = pcd::read(&mut source);
+        let (table, encoding, report) = unless_stopped(&source, read)?;
+        return Ok(Input { table, format: Format::Pcd(encoding), report });
     }
     if let Some(name) = unsupported(&extension, &head) {
         return Err(ReadProblem::Unsupported(name));

@@ -4,9 +4,9 @@
 //! mean (coordinates, normals) is the business of [`roles`] alone. Every column of a file is kept in its
 //! own type and in its own place, so a job can add columns and write the rest back untouched.
 //!
-//! Reading: PLY (ascii, little and big endian) and text (`xyz csv txt pts pwn xy`, with or without a
-//! header), each also gzipped, and LAS 1.0 to 1.4, LAZ and COPC. Writing: the same formats but COPC, not
-//! gzipped, never half a file.
+//! Reading: PLY (ascii, little and big endian), PCD (ascii, binary, compressed) and text (`xyz csv txt pts
+//! pwn xy`, with or without a header), each also gzipped; LAS 1.0 to 1.4, LAZ and COPC; E57 (all scans, in
+//! their common frame). Writing: the same formats but COPC, not gzipped, never half a file.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,12 +27,14 @@
 // No panic on data and nothing on standard output by accident; tests may.
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+mod e57;
 mod excerpt;
 mod format;
 mod input;
 mod las;
 mod options;
 mod output;
+mod pcd;
 mod ply;
 pub mod roles;
 mod scalar;
@@ -40,6 +42,7 @@ mod source;
 mod table;
 mod text;
 
+pub use e57::{E57Error, E57Kept, E57Scan, Pose};
 pub use format::{Encoding, Format};
 pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read, read_with};
 pub use las::{LasError, LasKept, LasMisfit};
@@ -48,6 +51,7 @@ pub use output::{
     Overwrite, WriteError, WriteOptions, WriteProblem, check_file, check_table, check_writable, write,
     write_file,
 };
+pub use pcd::{PcdEncoding, PcdError, PcdKept};
 pub use ply::PlyError;
 pub use table::{Column, Data, Frame, Kept, Table, Unit};
 pub use text::TextError;

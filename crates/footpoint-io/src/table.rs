@@ -1,6 +1,6 @@
 //! Tables of named columns: what a point file holds, whatever its format.
 
-use crate::LasKept;
+use crate::{E57Kept, LasKept, PcdKept};
 
 /// The points of one file: named columns of equal length, one row per point, in the file's order.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -45,6 +45,10 @@ pub enum Unit {
 pub enum Kept {
     /// Of LAS, LAZ and COPC.
     Las(Box<LasKept>),
+    /// Of an E57 file.
+    E57(E57Kept),
+    /// Of a PCD file.
+    Pcd(PcdKept),
 }
 
 /// One named column.

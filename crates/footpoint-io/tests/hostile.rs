@@ -60,7 +60,12 @@ fn our_own_files() {
         ("a.xyz", Encoding::Ascii),
     ] {
         let path = folder.path().join(name);
-        write(&path, &extremes(), &WriteOptions { overwrite: Overwrite::Replace, ply }).unwrap();
+        write(
+            &path,
+            &extremes(),
+            &WriteOptions { overwrite: Overwrite::Replace, ply, ..WriteOptions::default() },
+        )
+        .unwrap();
         torture(name, &std::fs::read(&path).unwrap());
     }
 }

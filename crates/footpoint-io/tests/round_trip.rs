@@ -5,12 +5,12 @@
 mod common;
 
 use common::{bits, extremes, f64_table, names};
-use footpoint_io::{Column, Data, Encoding, Format, Input, Overwrite, Table, WriteOptions, read, write};
+use footpoint_io::{Column, Data, Encoding, Format, Input, Table, WriteOptions, read, write};
 
 fn there_and_back(table: &Table, name: &str, ply: Encoding) -> Input {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
-    write(&path, table, &WriteOptions { overwrite: Overwrite::Refuse, ply }).unwrap();
+    write(&path, table, &WriteOptions { ply, ..WriteOptions::default() }).unwrap();
     read(&path).unwrap()
 }
 

@@ -83,6 +83,8 @@ impl Loaded {
             path: self.path.clone(),
             format: match self.input.format {
                 Format::Ply(_) => "ply",
+                Format::E57 => "e57",
+                Format::Pcd(_) => "pcd",
                 Format::Text => "text",
                 Format::Las => "las",
                 Format::Laz => "laz",

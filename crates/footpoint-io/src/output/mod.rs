@@ -1,6 +1,6 @@
 //! Writing a file, a table as a rule: checks before the work, a partial file during it, one rename at the end.
 
-mod number;
+pub(crate) mod number;
 mod ply;
 mod text;
 
@@ -11,7 +11,7 @@ use tempfile::NamedTempFile;
 use thiserror::Error;
 
 use crate::format::{Target, WRITABLE, is_copc};
-use crate::{Encoding, LasMisfit, Table, las};
+use crate::{Encoding, LasMisfit, PcdEncoding, Table, e57, las, pcd};
 
 const BUFFER: usize = 1 << 20;
 
@@ -22,6 +22,8 @@ pub struct WriteOptions {
     pub overwrite: Overwrite,
     /// How a `.ply` file stores its numbers; without effect on text.
     pub ply: Encoding,
+    /// How a `.pcd` file stores its numbers.
+    pub pcd: PcdEncoding,
 }
 
 /// What to do about a file that is there already.
@@ -89,6 +91,38 @@ pub enum WriteProblem {
         "column `{0}` holds integers beyond 2^53, which PLY cannot; write csv, txt or las, or leave it out"
     )]
     WideInPly(String),
+    /// A column of text, which another format cannot hold either.
+    #[error("column `{name}` holds text, which {format} cannot; write csv or txt, or leave the column out")]
+    Text {
+        /// The column.
+        name: String,
+        /// The format.
+        format: &'static str,
+    },
+    /// Integers too large, or too far apart, for a format.
+    #[error("column `{name}` holds integers beyond what {format} can; write csv or txt, or leave it out")]
+    Wide {
+        /// The column.
+        name: String,
+        /// The format.
+        format: &'static str,
+    },
+    /// A table without points in space, in a format that needs them.
+    #[error("{format} needs columns x, y and z of numbers; write csv, txt or ply")]
+    NoPoints {
+        /// The format.
+        format: &'static str,
+    },
+    /// More columns than a format can hold.
+    #[error("{found} columns, but {format} holds {most}; leave some out")]
+    TooManyColumns {
+        /// The columns of the table.
+        found: usize,
+        /// The limit.
+        most: usize,
+        /// The format.
+        format: &'static str,
+    },
     /// A name that cannot stand in the file's header.
     #[error("column name {0:?} cannot stand in the header of this format; rename it")]
     Name(String),
@@ -117,7 +151,7 @@ pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
     at(path, || check_columns(target_of(path)?, table))
 }
 
-/// Writes `table` to `path` in the format of its extension: `ply las laz xyz csv txt pts pwn xy`.
+/// Writes `table` to `path` in the format of its extension: `ply las laz e57 pcd xyz csv txt pts pwn xy`.
 ///
 /// All values read back as the same numbers, but for coordinates in LAS, which [`LasKept`](crate::LasKept)
 /// tells of; text keeps no types, `pts` no names and no comments, `csv` no
@@ -129,7 +163,7 @@ pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), W
         let target = target_of(path)?;
         check_columns(target, table).map(|()| target)
     })?;
-    write_file(path, options.overwrite, |file| fill(file, target, table, options.ply))
+    write_file(path, options.overwrite, |file| fill(file, target, table, options))
 }
 
 /// Checks, before any work is done, that [`write_file`] could put a file at `path`, whatever its format.
@@ -179,10 +213,12 @@ fn target_of(path: &Path) -> Result<Target, WriteProblem> {
     }
 }
 
-fn fill(file: &mut std::fs::File, target: Target, table: &Table, encoding: Encoding) -> io::Result<()> {
+fn fill(file: &mut std::fs::File, target: Target, table: &Table, options: &WriteOptions) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER, file);
     match target {
-        Target::Ply => ply::write(&mut out, table, encoding)?,
+        Target::Ply => ply::write(&mut out, table, options.ply)?,
+        Target::Pcd => pcd::write(&mut out, table, options.pcd)?,
+        Target::E57 => e57::write(out.get_mut(), table)?,
         Target::Text(kind) => text::write(&mut out, table, kind)?,
         Target::Las { is_packed } => las::write(&mut out, table, is_packed)?,
     }
@@ -233,12 +269,16 @@ fn check_columns(target: Target, table: &Table) -> Result<(), WriteProblem> {
         }
         match target {
             Target::Ply => ply::check(column)?,
+            Target::E57 => e57::check(column)?,
+            Target::Pcd => pcd::check(column)?,
             Target::Text(_) => text::check(column)?,
             Target::Las { .. } => {}
         }
     }
-    if matches!(target, Target::Las { .. }) {
-        las::check(table)?;
+    match target {
+        Target::Las { .. } => las::check(table)?,
+        Target::E57 => e57::check_table(table)?,
+        _ => {}
     }
     Ok(())
 }

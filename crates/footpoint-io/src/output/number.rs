@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use crate::Data;
 
 /// Writes one number of a column; nothing for text, which has its own writer.
-pub(super) fn write_value(out: &mut impl Write, data: &Data, row: usize) -> io::Result<()> {
+pub(crate) fn write_value(out: &mut impl Write, data: &Data, row: usize) -> io::Result<()> {
     match data {
         Data::I8(v) => v.get(row).map_or(Ok(()), |n| write_integer(out, *n)),
         Data::U8(v) => v.get(row).map_or(Ok(()), |n| write_integer(out, *n)),

@@ -115,7 +115,7 @@ impl Slot {
 }
 
 /// Appends a written value, `None` if it is not of the column's type.
-fn push(data: &mut Data, value: &[u8]) -> Option<()> {
+pub(crate) fn push(data: &mut Data, value: &[u8]) -> Option<()> {
     match data {
         Data::I8(v) => v.push(integer(value)?),
         Data::U8(v) => v.push(integer(value)?),

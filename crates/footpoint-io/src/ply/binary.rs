@@ -12,7 +12,7 @@ const BLOCK: u64 = 128 * 1024;
 const BLIND_ROOM: u64 = 1 << 16;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Order {
+pub(crate) enum Order {
     Little,
     Big,
 }
@@ -155,7 +155,7 @@ fn list_bytes(
 }
 
 /// Appends one property of a block of rows to its column.
-fn append(column: &mut Data, rows: &[u8], stride: usize, offset: usize, order: Order) {
+pub(crate) fn append(column: &mut Data, rows: &[u8], stride: usize, offset: usize, order: Order) {
     let big = order == Order::Big;
     match column {
         Data::I8(v) => decode(v, rows, stride, offset, i8::from_le_bytes),
