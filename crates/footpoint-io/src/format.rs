@@ -9,6 +9,14 @@ pub enum Format {
     Ply(Encoding),
     /// Rows of separated fields, with or without a header.
     Text,
+    /// Wavefront OBJ.
+    Obj,
+    /// Leica PTX: text of gridded scans.
+    Ptx,
+    /// One NumPy array.
+    Npy,
+    /// An archive of NumPy arrays.
+    Npz,
 }
 
 /// How a PLY file stores its numbers.
@@ -39,23 +47,28 @@ pub(crate) enum TextKind {
 }
 
 /// Extensions that can be written, for error messages.
-pub(crate) const WRITABLE: &str = "ply xyz csv txt pts pwn xy";
+pub(crate) const WRITABLE: &str = "ply xyz csv txt pts pwn xy obj npy npz";
 
 /// What [`write`](crate::write) makes of a file name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Target {
     Ply,
     Text(TextKind),
+    Obj,
+    Npy,
+    Npz,
 }
 
 impl Target {
     pub(crate) fn from_path(path: &Path) -> Option<Self> {
         let extension = extension(path);
-        if extension == "ply" {
-            Some(Self::Ply)
-        } else {
-            TextKind::from_extension(&extension).map(Self::Text)
-        }
+        Some(match extension.as_str() {
+            "ply" => Self::Ply,
+            "obj" => Self::Obj,
+            "npy" => Self::Npy,
+            "npz" => Self::Npz,
+            other => Self::Text(TextKind::from_extension(other)?),
+        })
     }
 }
 
@@ -102,8 +115,6 @@ pub(crate) fn unsupported(extension: &str, head: &[u8]) -> Option<&'static str> 
         "las" | "laz" => Some("LAS/LAZ"),
         "e57" => Some("E57"),
         "pcd" => Some("PCD"),
-        "obj" => Some("OBJ"),
-        "ptx" => Some("PTX"),
         _ => None,
     }
 }

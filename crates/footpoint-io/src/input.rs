@@ -8,7 +8,8 @@ use thiserror::Error;
 use crate::format::{TextKind, extension_inside, unsupported};
 use crate::roles::{Roles, RolesError};
 use crate::source::Source;
-use crate::{Bounds, Format, PlyError, ReadOptions, Table, TextError, ply, text};
+use crate::{Bounds, Format, NpyError, ObjError, PlyError, PtxError, ReadOptions, Table, TextError};
+use crate::{npy, obj, ply, ptx, text};
 
 /// A file that has been read.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,10 +82,19 @@ pub enum ReadProblem {
     /// A text file without a clear table.
     #[error("{0}")]
     Text(#[from] TextError),
+    /// An OBJ file that breaks its own rules.
+    #[error("{0}")]
+    Obj(#[from] ObjError),
+    /// A PTX file that breaks its own rules.
+    #[error("{0}")]
+    Ptx(#[from] PtxError),
+    /// A NumPy file that is broken or holds no rows.
+    #[error("{0}")]
+    Npy(#[from] NpyError),
 }
 
-/// Reads the point file `path`: PLY by its first line, text by its extension or its content, both also
-/// gzipped.
+/// Reads the point file `path`: PLY, NumPy, PTX and OBJ by their first bytes, text by its extension or its
+/// content, all but `.npz` also gzipped.
 ///
 /// All rows and columns come in the file's order and types; numbers of text files come as `F64`.
 /// Fails, with path and place, on a file that cannot be opened, is cut short, contradicts itself, or is of
@@ -132,6 +142,25 @@ fn read_any(path: &Path, options: &ReadOptions<'_>) -> Result<Input, ReadProblem
         return Ok(Input { table, format: Format::Ply(encoding), report });
     }
     let extension = extension_inside(path);
+    if npy::is_npy(&head) {
+        let read = npy::read(&mut source);
+        let (table, report) = unless_stopped(&source, read)?;
+        return Ok(Input { table, format: Format::Npy, report });
+    }
+    if npy::is_npz(&head) {
+        let (table, report) = npy::read_archive(path, options.watch)?;
+        return Ok(Input { table, format: Format::Npz, report });
+    }
+    if extension == "ptx" || ptx::is_ptx(&head) {
+        let read = ptx::read(&mut source);
+        let (table, report) = unless_stopped(&source, read)?;
+        return Ok(Input { table, format: Format::Ptx, report });
+    }
+    if extension == "obj" || obj::is_obj(&head) {
+        let read = obj::read(&mut source, &head);
+        let (table, report) = unless_stopped(&source, read)?;
+        return Ok(Input { table, format: Format::Obj, report });
+    }
     if let Some(name) = unsupported(&extension, &head) {
         return Err(ReadProblem::Unsupported(name));
     }

@@ -4,8 +4,9 @@
 //! mean (coordinates, normals) is the business of [`roles`] alone. Every column of a file is kept in its
 //! own type and in its own place, so a job can add columns and write the rest back untouched.
 //!
-//! Reading: PLY (ascii, little and big endian) and text (`xyz csv txt pts pwn xy`, with or without a
-//! header), each also gzipped. Writing: the same formats, uncompressed, never half a file.
+//! Reading: PLY (ascii, little and big endian), text (`xyz csv txt pts pwn xy`, with or without a header),
+//! OBJ, PTX and NumPy arrays (`npy`), each also gzipped, and NumPy archives (`npz`). Writing: the same formats
+//! but PTX, uncompressed, never half a file.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -29,10 +30,14 @@
 mod excerpt;
 mod format;
 mod input;
+mod npy;
+mod obj;
 mod options;
 mod output;
 mod ply;
+mod ptx;
 pub mod roles;
+mod rows;
 mod scalar;
 mod source;
 mod table;
@@ -40,11 +45,14 @@ mod text;
 
 pub use format::{Encoding, Format};
 pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read, read_with};
+pub use npy::NpyError;
+pub use obj::ObjError;
 pub use options::{Bounds, ReadOptions, Watch};
 pub use output::{
     Overwrite, WriteError, WriteOptions, WriteProblem, check_file, check_table, check_writable, write,
     write_file,
 };
 pub use ply::PlyError;
+pub use ptx::PtxError;
 pub use table::{Column, Data, Frame, Kept, Table, Unit};
 pub use text::TextError;

@@ -84,6 +84,10 @@ impl Loaded {
             format: match self.input.format {
                 Format::Ply(_) => "ply",
                 Format::Text => "text",
+                Format::Obj => "obj",
+                Format::Ptx => "ptx",
+                Format::Npy => "npy",
+                Format::Npz => "npz",
             },
             points: table.rows(),
             dimension: self.roles.dimension(),

@@ -1,6 +1,8 @@
 //! Writing a file, a table as a rule: checks before the work, a partial file during it, one rename at the end.
 
+mod npy;
 mod number;
+mod obj;
 mod ply;
 mod text;
 
@@ -86,6 +88,17 @@ pub enum WriteProblem {
         "column `{0}` holds integers beyond 2^53, which PLY cannot; write csv, txt or las, or leave it out"
     )]
     WideInPly(String),
+    /// A column of text, which arrays of numbers cannot hold.
+    #[error(
+        "column `{0}` holds text, which NumPy files of numbers cannot; write csv or txt, or leave it out"
+    )]
+    TextInNumPy(String),
+    /// Columns that OBJ has no place for.
+    #[error("OBJ holds only coordinates, normals and colours; leave out {0}, or write PLY")]
+    NotInObj(String),
+    /// A table without three coordinates.
+    #[error("OBJ wants columns x, y and z of numbers; write PLY or text")]
+    NoPointsForObj,
     /// A name that cannot stand in the file's header.
     #[error("column name {0:?} cannot stand in the header of this format; rename it")]
     Name(String),
@@ -109,15 +122,15 @@ pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<(), WriteErro
 }
 
 /// Checks that the format of `path` can hold `table`: columns of one length, names of their own, no text
-/// columns in PLY, no line breaks in text.
+/// columns in PLY and NumPy files, no line breaks in text, nothing but coordinates, normals and colours in OBJ.
 pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
     at(path, || check_columns(Target::from_path(path).ok_or(WriteProblem::UnknownExtension)?, table))
 }
 
-/// Writes `table` to `path` in the format of its extension: `ply xyz csv txt pts pwn xy`.
+/// Writes `table` to `path` in the format of its extension: `ply xyz csv txt pts pwn xy obj npy npz`.
 ///
-/// All values read back as the same numbers; text keeps no types, `pts` no names and no comments, `csv` no
-/// comments, for the sake of other readers. A partial file beside `path` (`.NAME.*.partial`) becomes `path`
+/// All values read back as the same numbers; text keeps no types, `pts` no names and no comments, `csv`, `npy`
+/// and `npz` no comments, for the sake of other readers, and `obj` has colours from 0 to 1. A partial file beside `path` (`.NAME.*.partial`) becomes `path`
 /// in one step when it is complete, and is removed on any error. Fails as [`check_writable`] and
 /// [`check_table`] do, and on a full disk.
 pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), WriteError> {
@@ -172,6 +185,9 @@ fn fill(file: &mut std::fs::File, target: Target, table: &Table, encoding: Encod
     match target {
         Target::Ply => ply::write(&mut out, table, encoding)?,
         Target::Text(kind) => text::write(&mut out, table, kind)?,
+        Target::Obj => obj::write(&mut out, table)?,
+        Target::Npy => npy::write(&mut out, table)?,
+        Target::Npz => npy::write_archive(&mut out, table)?,
     }
     out.flush()
 }
@@ -209,6 +225,9 @@ fn partial(path: &Path) -> Result<NamedTempFile, WriteProblem> {
 }
 
 fn check_columns(target: Target, table: &Table) -> Result<(), WriteProblem> {
+    if target == Target::Obj {
+        obj::check(table)?;
+    }
     let mut names = std::collections::HashSet::new();
     for column in &table.columns {
         let (found, wanted) = (column.data.len(), table.rows());
@@ -221,6 +240,8 @@ fn check_columns(target: Target, table: &Table) -> Result<(), WriteProblem> {
         match target {
             Target::Ply => ply::check(column)?,
             Target::Text(_) => text::check(column)?,
+            Target::Obj => {}
+            Target::Npy | Target::Npz => npy::check(column)?,
         }
     }
     Ok(())

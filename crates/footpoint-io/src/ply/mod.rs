@@ -10,6 +10,7 @@ mod header;
 
 use std::io::ErrorKind;
 
+use crate::rows::Order;
 use crate::source::Source;
 use crate::{Column, Encoding, OtherElement, ReadReport, Table};
 pub use error::PlyError;
@@ -69,8 +70,8 @@ fn read_vertices(
 ) -> Result<Table, PlyError> {
     let columns = match header.encoding {
         Encoding::Ascii => ascii::read(source, header.line_end, element)?,
-        Encoding::LittleEndian => binary::read(source, binary::Order::Little, element)?,
-        Encoding::BigEndian => binary::read(source, binary::Order::Big, element)?,
+        Encoding::LittleEndian => binary::read(source, Order::Little, element)?,
+        Encoding::BigEndian => binary::read(source, Order::Big, element)?,
     };
     let lists = element.properties.iter().filter(|p| matches!(p.kind, Kind::List { .. }));
     report.skipped_lists = lists.map(|p| p.name.clone()).collect();
@@ -82,7 +83,7 @@ fn read_vertices(
 fn pass_over(source: &mut Source<'_>, header: &Header, element: &Element) -> Result<(), PlyError> {
     match header.encoding {
         Encoding::Ascii => ascii::pass_over(source, header.line_end, element),
-        Encoding::LittleEndian => binary::pass_over(source, binary::Order::Little, element),
-        Encoding::BigEndian => binary::pass_over(source, binary::Order::Big, element),
+        Encoding::LittleEndian => binary::pass_over(source, Order::Little, element),
+        Encoding::BigEndian => binary::pass_over(source, Order::Big, element),
     }
 }
