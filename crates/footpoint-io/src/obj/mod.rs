@@ -22,7 +22,11 @@ pub(crate) fn is_obj(head: &[u8]) -> bool {
             || line.starts_with(b"#")
             || matches!(words(line).next(), Some(b"vn" | b"vt" | b"o" | b"g" | b"mtllib" | b"usemtl" | b"s"))
     };
-    lines.find(|line| !other(line)).is_some_and(|line| words(line).next() == Some(b"v"))
+    lines.find(|line| !other(line)).is_some_and(|line| {
+        let mut words = words(line);
+        // A header may name a column `v`.
+        words.next() == Some(b"v") && words.next().is_some_and(|x| fast_float2::parse::<f64, _>(x).is_ok())
+    })
 }
 
 pub(crate) fn read(source: &mut Source<'_>, head: &[u8]) -> Result<(Table, ReadReport), ObjError> {

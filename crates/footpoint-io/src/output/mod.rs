@@ -192,6 +192,11 @@ fn fill(file: &mut std::fs::File, target: Target, table: &Table, encoding: Encod
     out.flush()
 }
 
+/// The comments, each at least one line.
+fn comment_lines(table: &Table) -> impl Iterator<Item = &str> {
+    table.comments.iter().flat_map(|comment| comment.split('\n')).map(|line| line.trim_end_matches('\r'))
+}
+
 /// The folder that holds `path`.
 fn folder(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))

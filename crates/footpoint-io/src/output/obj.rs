@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use super::WriteProblem;
 use super::number::{write_real, write_value};
+use super::{WriteProblem, comment_lines};
 use crate::roles::Roles;
 use crate::{Data, Table};
 
@@ -49,7 +49,7 @@ pub(super) fn check(table: &Table) -> Result<(), WriteProblem> {
 
 pub(super) fn write(out: &mut impl Write, table: &Table) -> io::Result<()> {
     let Some(places) = Places::find(table) else { return Ok(()) };
-    for line in table.comments.iter().flat_map(|comment| comment.lines()) {
+    for line in comment_lines(table) {
         writeln!(out, "# {line}")?;
     }
     let plain: Vec<&Data> =

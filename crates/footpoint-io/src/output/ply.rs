@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-use super::WriteProblem;
 use super::number::write_value;
+use super::{WriteProblem, comment_lines};
 use crate::rows::{self, Order};
 use crate::scalar::Scalar;
 use crate::{Column, Data, Encoding, Table};
@@ -45,7 +45,7 @@ fn write_header(out: &mut impl Write, table: &Table, encoding: Encoding) -> io::
         Encoding::BigEndian => "binary_big_endian",
     };
     writeln!(out, "ply\nformat {format} 1.0")?;
-    for line in table.comments.iter().flat_map(|comment| comment.lines()) {
+    for line in comment_lines(table) {
         if line.split_ascii_whitespace().next() == Some("obj_info") {
             writeln!(out, "{}", line.trim())?;
         } else {
