@@ -74,8 +74,6 @@ fn other_formats_are_named() {
         ("a.LAZ", "x", "LAS/LAZ"),
         ("a.e57", "x", "E57"),
         ("a.pcd", "x", "PCD"),
-        ("a.obj", "v 1 2 3", "OBJ"),
-        ("a.ptx", "1\n1\n", "PTX"),
         ("a.xyz", "LASF....", "LAS/LAZ"),
         ("a.xyz", "ASTM-E57", "E57"),
         ("a.txt", "# .PCD v0.7\n1 2 3\n", "PCD"),
