@@ -125,7 +125,7 @@ fn check(table: &Table, bytes: usize) {
 impl Place {
     fn within(self, length: usize) -> usize {
         let reach = if self.near { length.min(512) } else { length };
-        usize::from(self.at) * reach >> 16
+        (usize::from(self.at) * reach) >> 16
     }
 }
 
