@@ -81,11 +81,12 @@ impl<'w> Source<'w> {
         }
     }
 
-    /// A packed part of an archive, which unpacks as far as `unpacked` lets it.
+    /// A part of an archive.
     pub(crate) fn part(unpacked: Unpacked<impl Read + 'w>, watch: Option<&'w dyn Watch>) -> Self {
         let (passed, size) = (Arc::clone(&unpacked.packed), unpacked.size);
         let reader = BufReader::with_capacity(BUFFER, unpacked);
-        Self { size, watch, ..Self::new(reader, None, passed) }
+        // An archive may have any number of small parts; the watch hears of each.
+        Self { size, watch, until_told: 0, ..Self::new(reader, None, passed) }
     }
 
     /// Bytes left in the file, if known.

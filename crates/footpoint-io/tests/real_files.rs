@@ -9,8 +9,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use common::real_files;
-use footpoint_io::read;
 use footpoint_io::roles::Roles;
+use footpoint_io::{Data, Input, read};
 use serde_json::Value;
 
 /// Files that are refused, and what the message must say.
@@ -83,6 +83,7 @@ fn counts_and_bounds_agree_with_the_manifest() {
             assert_eq!((points.len(), found), (*cells, *returns), "{file}");
             continue;
         }
+        check_fields(&file, &entry, &input);
         // The manifest takes two files with coordinates of whole-number types for files without points.
         let (rows, Some(_)) = (input.table.rows() as u64, entry.get("min")) else {
             assert!(input.table.rows() <= 1, "{file}");
@@ -105,6 +106,48 @@ fn counts_and_bounds_agree_with_the_manifest() {
     }
     println!("{read_files} files agree");
     assert!(read_files > 80);
+}
+
+/// The names and types of a PLY file's properties, or the number of a text file's columns.
+fn check_fields(file: &str, entry: &Value, input: &Input) {
+    let mut columns = input.table.columns.iter();
+    let properties = entry.pointer("/fields/vertex").and_then(Value::as_array);
+    for property in properties.into_iter().flatten() {
+        let words: Vec<&str> = property.as_str().unwrap().split(' ').collect();
+        match words.as_slice() {
+            ["property", "list", _, _, name] => {
+                assert!(input.report.skipped_lists.iter().any(|list| list == name), "{file}")
+            }
+            ["property", kind, name] => {
+                let column = columns.next().unwrap();
+                assert_eq!((column.name.as_str(), ply_type(&column.data)), (*name, *kind), "{file}");
+            }
+            other => panic!("{file}: {other:?}"),
+        }
+    }
+    let widths = entry.get("columns").and_then(Value::as_object);
+    let most = widths.and_then(|widths| widths.iter().max_by_key(|(_, lines)| lines.as_u64()));
+    if let Some((width, _)) = most {
+        assert_eq!(input.table.columns.len().to_string(), *width, "{file}");
+    }
+    if let Some(extra) = entry.get("extra_vertex_columns").and_then(Value::as_u64) {
+        let normals = if input.table.column("nx").is_some() { 3 } else { 0 };
+        assert_eq!(input.table.columns.len() as u64, 3 + extra + normals, "{file}");
+    }
+}
+
+fn ply_type(data: &Data) -> &'static str {
+    match data {
+        Data::I8(_) => "char",
+        Data::U8(_) => "uchar",
+        Data::I16(_) => "short",
+        Data::U16(_) => "ushort",
+        Data::I32(_) => "int",
+        Data::U32(_) => "uint",
+        Data::F32(_) => "float",
+        Data::F64(_) => "double",
+        _ => "",
+    }
 }
 
 #[test]
