@@ -21,6 +21,14 @@ pub enum Format {
     Laz,
     /// LAZ sorted into an octree.
     Copc,
+    /// Wavefront OBJ.
+    Obj,
+    /// Leica PTX: text of gridded scans.
+    Ptx,
+    /// One NumPy array.
+    Npy,
+    /// An archive of NumPy arrays.
+    Npz,
 }
 
 /// How a PLY file stores its numbers.
@@ -51,7 +59,7 @@ pub(crate) enum TextKind {
 }
 
 /// Extensions that can be written, for error messages.
-pub(crate) const WRITABLE: &str = "ply las laz e57 pcd xyz csv txt pts pwn xy";
+pub(crate) const WRITABLE: &str = "ply las laz e57 pcd xyz csv txt pts pwn xy obj npy npz";
 
 /// What [`write`](crate::write) makes of a file name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,18 +69,24 @@ pub(crate) enum Target {
     Pcd,
     Text(TextKind),
     Las { is_packed: bool },
+    Obj,
+    Npy,
+    Npz,
 }
 
 impl Target {
     pub(crate) fn from_path(path: &Path) -> Option<Self> {
         let extension = extension(path);
-        match extension.as_str() {
-            "ply" => Some(Self::Ply),
-            "las" | "laz" => Some(Self::Las { is_packed: extension == "laz" }),
-            "e57" => Some(Self::E57),
-            "pcd" => Some(Self::Pcd),
-            _ => TextKind::from_extension(&extension).map(Self::Text),
-        }
+        Some(match extension.as_str() {
+            "ply" => Self::Ply,
+            "las" | "laz" => Self::Las { is_packed: extension == "laz" },
+            "e57" => Self::E57,
+            "pcd" => Self::Pcd,
+            "obj" => Self::Obj,
+            "npy" => Self::Npy,
+            "npz" => Self::Npz,
+            other => Self::Text(TextKind::from_extension(other)?),
+        })
     }
 }
 
@@ -106,14 +120,5 @@ pub(crate) fn extension_inside(path: &Path) -> String {
         path.file_stem().map(|stem| extension(Path::new(stem))).unwrap_or_default()
     } else {
         outer
-    }
-}
-
-/// The name of a known format that is not read, by extension or by the first bytes.
-pub(crate) fn unsupported(extension: &str, head: &[u8]) -> Option<&'static str> {
-    match extension {
-        "obj" => Some("OBJ"),
-        "ptx" => Some("PTX"),
-        _ => None,
     }
 }

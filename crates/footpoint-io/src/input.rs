@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::format::{TextKind, extension_inside, unsupported};
+use crate::format::{TextKind, extension_inside};
 use crate::roles::{Roles, RolesError};
 use crate::source::Source;
 use crate::{
-    Bounds, E57Error, Format, LasError, PcdError, PlyError, ReadOptions, Table, TextError, e57, las, pcd, ply, text,
+    Bounds, E57Error, Format, LasError, NpyError, ObjError, PcdError, PlyError, PtxError, ReadOptions, Table,
+    TextError,
 };
+use crate::{e57, las, npy, obj, pcd, ply, ptx, text};
 
 /// A file that has been read.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,9 +67,6 @@ pub enum ReadProblem {
     /// There is no byte in it.
     #[error("is empty; a point file is expected")]
     Empty,
-    /// A known format that this crate does not read.
-    #[error("{0} files are not supported yet; convert to PLY or text")]
-    Unsupported(&'static str),
     /// The name says PLY, the first line does not.
     #[error("line 1: not a PLY file, its first line is not `ply`; if it is text, rename it to .txt or .xyz")]
     NotPly,
@@ -92,10 +91,19 @@ pub enum ReadProblem {
     /// A text file without a clear table.
     #[error("{0}")]
     Text(#[from] TextError),
+    /// An OBJ file that breaks its own rules.
+    #[error("{0}")]
+    Obj(#[from] ObjError),
+    /// A PTX file that breaks its own rules.
+    #[error("{0}")]
+    Ptx(#[from] PtxError),
+    /// A NumPy file that is broken or holds no rows.
+    #[error("{0}")]
+    Npy(#[from] NpyError),
 }
 
-/// Reads the point file `path`: PLY, LAS, LAZ, COPC, E57 and PCD by their first bytes, text by its extension or its
-/// content; PLY, PCD and text also gzipped.
+/// Reads the point file `path`: PLY, LAS, LAZ, COPC, E57, PCD, NumPy, PTX and OBJ by their first bytes, text by its
+/// extension or its content; all but LAS, E57 and `.npz` also gzipped.
 ///
 /// All rows and columns come in the file's order and types; numbers of text files come as `F64`, as do values
 /// that LAS stores with a scale.
@@ -156,8 +164,24 @@ fn read_any(path: &Path, options: &ReadOptions<'_>) -> Result<Input, ReadProblem
         let (table, encoding, report) = unless_stopped(&source, read)?;
         return Ok(Input { table, format: Format::Pcd(encoding), report });
     }
-    if let Some(name) = unsupported(&extension, &head) {
-        return Err(ReadProblem::Unsupported(name));
+    if npy::is_npy(&head) {
+        let read = npy::read(&mut source);
+        let (table, report) = unless_stopped(&source, read)?;
+        return Ok(Input { table, format: Format::Npy, report });
+    }
+    if npy::is_npz(&head) {
+        let (table, report) = npy::read_archive(path, options.watch)?;
+        return Ok(Input { table, format: Format::Npz, report });
+    }
+    if extension == "ptx" || ptx::is_ptx(&head) {
+        let read = ptx::read(&mut source);
+        let (table, report) = unless_stopped(&source, read)?;
+        return Ok(Input { table, format: Format::Ptx, report });
+    }
+    if extension == "obj" || obj::is_obj(&head) {
+        let read = obj::read(&mut source, &head);
+        let (table, report) = unless_stopped(&source, read)?;
+        return Ok(Input { table, format: Format::Obj, report });
     }
     if extension == "ply" {
         return Err(ReadProblem::NotPly);

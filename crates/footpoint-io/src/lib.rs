@@ -4,9 +4,10 @@
 //! mean (coordinates, normals) is the business of [`roles`] alone. Every column of a file is kept in its
 //! own type and in its own place, so a job can add columns and write the rest back untouched.
 //!
-//! Reading: PLY (ascii, little and big endian), PCD (ascii, binary, compressed) and text (`xyz csv txt pts
-//! pwn xy`, with or without a header), each also gzipped; LAS 1.0 to 1.4, LAZ and COPC; E57 (all scans, in
-//! their common frame). Writing: the same formats but COPC, not gzipped, never half a file.
+//! Reading: PLY (ascii, little and big endian), PCD (ascii, binary, compressed), text (`xyz csv txt pts pwn
+//! xy`, with or without a header), OBJ, PTX and NumPy arrays (`npy`), each also gzipped; LAS 1.0 to 1.4, LAZ
+//! and COPC; E57 (all scans, in their common frame); NumPy archives (`npz`). Writing: the same formats but
+//! COPC and PTX, not gzipped, never half a file.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -32,11 +33,15 @@ mod excerpt;
 mod format;
 mod input;
 mod las;
+mod npy;
+mod obj;
 mod options;
 mod output;
 mod pcd;
 mod ply;
+mod ptx;
 pub mod roles;
+mod rows;
 mod scalar;
 mod source;
 mod table;
@@ -46,6 +51,8 @@ pub use e57::{E57Error, E57Kept, E57Scan, Pose};
 pub use format::{Encoding, Format};
 pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read, read_with};
 pub use las::{LasError, LasKept, LasMisfit};
+pub use npy::NpyError;
+pub use obj::ObjError;
 pub use options::{Bounds, ReadOptions, Watch};
 pub use output::{
     Overwrite, WriteError, WriteOptions, WriteProblem, check_file, check_table, check_writable, write,
@@ -53,5 +60,6 @@ pub use output::{
 };
 pub use pcd::{PcdEncoding, PcdError, PcdKept};
 pub use ply::PlyError;
+pub use ptx::PtxError;
 pub use table::{Column, Data, Frame, Kept, Table, Unit};
 pub use text::TextError;

@@ -1,7 +1,7 @@
 //! A file as a stream of bytes and lines, unpacked if it is gzipped, with its end in sight.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,8 +16,18 @@ const HEAD: u64 = 64 * 1024;
 /// Bytes from one word to the watch to the next.
 const TOLD: u64 = 1 << 20;
 
+/// Unpacked bytes that are given for any number of packed ones.
+const UNPACKED_ANYHOW: u64 = 256 << 20;
+/// Unpacked bytes to a packed one beyond that. Deflate reaches 1032, with nothing but repetition; rows of
+/// points stay below 20, and below 100 if nine of ten are `0 0 0`.
+const UNPACKED_AT_MOST: u64 = 100;
+
 pub(crate) struct Source<'w> {
-    reader: Box<dyn BufRead>,
+    reader: Box<dyn BufRead + 'w>,
+    /// Bytes at the front of the reader that the line lent last takes up.
+    lent: usize,
+    /// A line that does not lie in the reader's buffer as a whole.
+    spill: Vec<u8>,
     /// Bytes not yet read; `None` if nobody knows, as in a gzipped file.
     remaining: Option<u64>,
     line: u64,
@@ -36,27 +46,47 @@ impl<'w> Source<'w> {
     pub(crate) fn open(path: &Path, watch: Option<&'w dyn Watch>) -> io::Result<(Self, Vec<u8>)> {
         let file = File::open(path)?;
         let metadata = file.metadata()?;
-        let passed = Arc::new(AtomicU64::new(0));
-        let counted = Counted { file, passed: Arc::clone(&passed) };
+        let counted = Counted::new(file);
+        let passed = Arc::clone(&counted.passed);
         let mut reader = BufReader::with_capacity(BUFFER, counted);
         let size = metadata.is_file().then_some(metadata.len());
-        if reader.fill_buf()?.starts_with(&[0x1f, 0x8b]) {
-            let unpacked = BufReader::with_capacity(BUFFER, MultiGzDecoder::new(reader));
-            Self::with_head(unpacked, None, (passed, size, watch))
+        let mut source = if reader.fill_buf()?.starts_with(&[0x1f, 0x8b]) {
+            let unpacked = Unpacked::new(MultiGzDecoder::new(reader), Arc::clone(&passed), size);
+            Self::new(BufReader::with_capacity(BUFFER, unpacked), None, passed)
         } else {
-            Self::with_head(reader, size, (passed, size, watch))
+            Self::new(reader, size, passed)
+        };
+        source.size = size;
+        source.watch = watch;
+        let mut head = Vec::new();
+        source.reader.by_ref().take(HEAD).read_to_end(&mut head)?;
+        let rest = std::mem::replace(&mut source.reader, Box::new(io::empty()));
+        source.reader = Box::new(Cursor::new(head.clone()).chain(rest));
+        Ok((source, head))
+    }
+
+    /// A source of `remaining` bytes, if that is known, of a file of which `passed` have been read.
+    fn new(reader: impl BufRead + 'w, remaining: Option<u64>, passed: Arc<AtomicU64>) -> Self {
+        Self {
+            reader: Box::new(reader),
+            lent: 0,
+            spill: Vec::new(),
+            remaining,
+            line: 0,
+            passed,
+            size: None,
+            watch: None,
+            until_told: TOLD,
+            stopped: false,
         }
     }
 
-    fn with_head(
-        mut reader: impl BufRead + 'static,
-        remaining: Option<u64>,
-        (passed, size, watch): (Arc<AtomicU64>, Option<u64>, Option<&'w dyn Watch>),
-    ) -> io::Result<(Self, Vec<u8>)> {
-        let mut head = Vec::new();
-        reader.by_ref().take(HEAD).read_to_end(&mut head)?;
-        let reader = Box::new(Cursor::new(head.clone()).chain(reader));
-        Ok((Self { reader, remaining, line: 0, passed, size, watch, until_told: TOLD, stopped: false }, head))
+    /// A part of an archive.
+    pub(crate) fn part(unpacked: Unpacked<impl Read + 'w>, watch: Option<&'w dyn Watch>) -> Self {
+        let (passed, size) = (Arc::clone(&unpacked.packed), unpacked.size);
+        let reader = BufReader::with_capacity(BUFFER, unpacked);
+        // An archive may have any number of small parts; the watch hears of each.
+        Self { size, watch, until_told: 0, ..Self::new(reader, None, passed) }
     }
 
     /// Bytes left in the file, if known.
@@ -75,26 +105,49 @@ impl<'w> Source<'w> {
     }
 
     pub(crate) fn at_end(&mut self) -> io::Result<bool> {
+        self.take_back();
         Ok(self.reader.fill_buf()?.is_empty())
     }
 
     /// Reads the next line into `line`, without its end; `false` at the end of the file.
     pub(crate) fn read_line(&mut self, end: u8, line: &mut Vec<u8>) -> io::Result<bool> {
         line.clear();
-        let read = self.reader.read_until(end, line)?;
+        let Some(next) = self.next_line(end)? else { return Ok(false) };
+        line.extend_from_slice(next);
+        Ok(true)
+    }
+
+    /// The next line without its end, not copied if it can be helped; `None` at the end of the file.
+    pub(crate) fn next_line(&mut self, end: u8) -> io::Result<Option<&[u8]>> {
+        self.take_back();
+        if let Some(length) = memchr::memchr(end, self.reader.fill_buf()?) {
+            self.passed(length + 1)?;
+            self.line += 1;
+            self.lent = length + 1;
+            return Ok(self.reader.fill_buf()?.get(..length));
+        }
+        self.spill.clear();
+        let read = self.reader.read_until(end, &mut self.spill)?;
         self.passed(read)?;
         if read == 0 {
-            return Ok(false);
+            return Ok(None);
         }
         self.line += 1;
-        if line.last() == Some(&end) {
-            line.pop();
+        if self.spill.last() == Some(&end) {
+            self.spill.pop();
         }
-        Ok(true)
+        Ok(Some(&self.spill))
+    }
+
+    /// Passes over the line that was lent.
+    fn take_back(&mut self) {
+        self.reader.consume(self.lent);
+        self.lent = 0;
     }
 
     /// Fills `buffer` as far as the file goes and returns the bytes read.
     pub(crate) fn fill(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.take_back();
         let mut filled = 0;
         while let Some(rest) = buffer.get_mut(filled..).filter(|rest| !rest.is_empty()) {
             match self.reader.read(rest) {
@@ -110,6 +163,7 @@ impl<'w> Source<'w> {
 
     /// Passes over `wanted` bytes, or as many as there are, and returns how many.
     pub(crate) fn skip(&mut self, wanted: u64) -> io::Result<u64> {
+        self.take_back();
         let mut skipped = 0;
         while skipped < wanted {
             let available = self.reader.fill_buf()?.len();
@@ -146,15 +200,69 @@ impl<'w> Source<'w> {
 }
 
 /// A file that counts what is read of it.
-struct Counted {
+pub(crate) struct Counted {
     file: File,
     passed: Arc<AtomicU64>,
+}
+
+impl Counted {
+    pub(crate) fn new(file: File) -> Self {
+        Self { file, passed: Arc::default() }
+    }
+
+    /// The bytes read so far, as long as the file is read.
+    pub(crate) fn passed(&self) -> Arc<AtomicU64> {
+        Arc::clone(&self.passed)
+    }
 }
 
 impl Read for Counted {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let read = self.file.read(buffer)?;
         self.passed.fetch_add(read as u64, Ordering::Relaxed);
+        Ok(read)
+    }
+}
+
+impl Seek for Counted {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+/// What a decoder unpacks, up to what a file of points can come to: a small file must not fill the memory.
+pub(crate) struct Unpacked<R> {
+    decoder: R,
+    packed: Arc<AtomicU64>,
+    /// The size of the file; parts of an archive that are read twice count once.
+    size: Option<u64>,
+    unpacked: u64,
+}
+
+impl<R> Unpacked<R> {
+    /// Counts what `decoder` gives against the `packed` bytes read of a file of this size.
+    pub(crate) fn new(decoder: R, packed: Arc<AtomicU64>, size: Option<u64>) -> Self {
+        Self { decoder, packed, size, unpacked: 0 }
+    }
+
+    /// With what other parts of the same archive have unpacked.
+    pub(crate) fn after(self, unpacked: u64) -> Self {
+        Self { unpacked, ..self }
+    }
+}
+
+impl<R: Read> Read for Unpacked<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.decoder.read(buffer)?;
+        self.unpacked += read as u64;
+        let packed = self.packed.load(Ordering::Relaxed).min(self.size.unwrap_or(u64::MAX));
+        if self.unpacked > UNPACKED_ANYHOW && self.unpacked / UNPACKED_AT_MOST > packed {
+            return Err(io::Error::other(format!(
+                "{packed} packed bytes unpack to more than {} MiB, over {UNPACKED_AT_MOST} times as many, as no \
+                 points do; if you trust the file, unpack it and read the result",
+                self.unpacked >> 20
+            )));
+        }
         Ok(read)
     }
 }

@@ -58,3 +58,36 @@ fn other_formats_are_named_inside_too() {
     let message = footpoint_io::read(&sample.path).unwrap_err().to_string();
     assert!(message.contains("unpack it into a file first"), "{message}");
 }
+
+/// A gzip file that unpacks to `head` and then `mebibytes` times the same byte.
+fn bomb(head: &[u8], byte: u8, mebibytes: usize) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(head).unwrap();
+    let block = vec![byte; 1 << 20];
+    (0..mebibytes).for_each(|_| encoder.write_all(&block).unwrap());
+    encoder.finish().unwrap()
+}
+
+#[test]
+fn a_file_that_unpacks_without_end_is_refused() {
+    let ply = b"ply\nformat binary_little_endian 1.0\nelement filler 4000000000\nproperty uchar a\n\
+                element vertex 1\nproperty uchar x\nend_header\n";
+    for (name, bytes) in [("a.xyz.gz", bomb(b"1 2 3\n", b'\n', 300)), ("a.ply.gz", bomb(ply, 0, 300))] {
+        let message = refusal(name, bytes);
+        assert!(message.contains("cannot read") && message.contains("over 100 times as many"), "{message}");
+        assert!(message.contains("unpack it and read the result"), "{message}");
+    }
+}
+
+#[test]
+fn much_repetition_alone_is_no_reason_to_refuse() {
+    let input = parse("a.xyz.gz", bomb(b"1 2 3\n", b'\n', 200));
+    assert_eq!(input.table.rows(), 1);
+}
+
+#[test]
+fn other_text_and_arrays_are_unpacked_too() {
+    assert_eq!(parse("a.obj.gz", packed(b"v 1 2 3\n")).format, Format::Obj);
+    let ptx = b"1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 4\n";
+    assert_eq!(parse("a.ptx.gz", packed(ptx)).format, Format::Ptx);
+}

@@ -58,6 +58,8 @@ fn our_own_files() {
         ("a.ply", Encoding::BigEndian),
         ("a.csv", Encoding::Ascii),
         ("a.xyz", Encoding::Ascii),
+        ("a.npy", Encoding::Ascii),
+        ("a.npz", Encoding::Ascii),
     ] {
         let path = folder.path().join(name);
         write(
@@ -98,6 +100,9 @@ fn real_small_files() {
         "text/pdal_autzen.pts",
         "text/pdal_quoted.txt",
         "text/pasture_10_points_ascii.txt",
+        "text/pdal_multiple-and-transform.ptx",
+        "obj/pdal_box.obj",
+        "malformed/pdal_simple_binary.obj",
         "mesh/dragon_vrip_res3.ply.gz",
     ] {
         let name = file.rsplit('/').next().unwrap();

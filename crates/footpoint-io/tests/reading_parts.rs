@@ -5,8 +5,8 @@ mod common;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use common::Sample;
-use footpoint_io::{Bounds, Data, ReadOptions, ReadProblem, Watch, read_with};
+use common::{Sample, f64_table};
+use footpoint_io::{Bounds, Data, ReadOptions, ReadProblem, Watch, WriteOptions, read_with, write};
 
 /// Keeps what it is told and stops after so many words.
 struct Words {
@@ -50,4 +50,32 @@ fn the_watch_hears_of_every_megabyte_and_may_stop() {
     let once = Words { said: Mutex::default(), most: 1 };
     let stopped = read_with(&sample.path, &ReadOptions { within: None, watch: Some(&once) }).unwrap_err();
     assert!(matches!(*stopped.problem, ReadProblem::Stopped), "{stopped}");
+}
+
+#[test]
+fn every_format_tells_and_stops() {
+    let many = vec![0.125; 100_000];
+    let table = f64_table(&[("x", &many), ("y", &many), ("z", &many)]);
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    for name in ["a.obj", "a.npy", "a.npz", "a.ply", "a.csv"] {
+        let path = folder.path().join(name);
+        write(&path, &table, &WriteOptions::default()).unwrap();
+        files.push(path);
+    }
+    let head = "100000\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+    let ptx = folder.path().join("a.ptx");
+    std::fs::write(&ptx, format!("{head}{}", "0.125 0.125 0.125 1\n".repeat(100_000))).unwrap();
+    files.push(ptx);
+    for path in files {
+        let size = path.metadata().unwrap().len();
+        let all = Words { said: Mutex::default(), most: usize::MAX };
+        let input = read_with(&path, &ReadOptions { within: None, watch: Some(&all) }).unwrap();
+        assert_eq!(input.table.rows(), 100_000);
+        let said = all.said.into_inner().unwrap();
+        assert!(!said.is_empty() && said.iter().all(|&(done, all)| done <= all && all == size), "{said:?}");
+        let once = Words { said: Mutex::default(), most: 1 };
+        let stopped = read_with(&path, &ReadOptions { within: None, watch: Some(&once) }).unwrap_err();
+        assert!(matches!(*stopped.problem, ReadProblem::Stopped), "{stopped}");
+    }
 }

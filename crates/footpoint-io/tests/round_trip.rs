@@ -79,12 +79,53 @@ fn many_blocks_of_rows_stay_in_order() {
     for encoding in [Encoding::Ascii, Encoding::LittleEndian, Encoding::BigEndian] {
         assert_eq!(there_and_back(&table, "t.ply", encoding).table, table);
     }
+    for name in ["t.npy", "t.npz"] {
+        assert!(there_and_back(&table, name, Encoding::Ascii).table == table, "{name}");
+    }
+}
+
+#[test]
+fn empty_comments_and_those_of_two_lines_are_kept_as_lines() {
+    let mut table = f64_table(&[("x", &[1.0]), ("y", &[2.0]), ("z", &[3.0])]);
+    table.comments = ["", "one\ntwo", ""].map(str::to_owned).to_vec();
+    for name in ["t.ply", "t.txt", "t.xyz", "t.obj"] {
+        let back = there_and_back(&table, name, Encoding::Ascii).table;
+        assert_eq!(back.comments, ["", "one", "two", ""], "{name}");
+    }
+}
+
+#[test]
+fn numpy_files_keep_types_bits_and_names() {
+    let mut table = extremes();
+    table.set(Column::new("h", Data::I64(vec![i64::MIN, i64::MAX, 0, 1, -1, 2])));
+    table.set(Column::new("i'\\ü/j", Data::U64(vec![u64::MIN, u64::MAX, 0, 1, 2, 3])));
+    for (name, format) in [("t.npy", Format::Npy), ("t.npz", Format::Npz)] {
+        let back = there_and_back(&table, name, Encoding::Ascii);
+        assert_eq!(back.format, format);
+        assert!(back.report.notes.is_empty(), "{:?}", back.report);
+        assert_eq!(names(&back.table), names(&table));
+        for (old, new) in table.columns.iter().zip(&back.table.columns) {
+            match (&old.data, &new.data) {
+                (Data::I64(old), Data::I64(new)) => assert_eq!(old, new),
+                (Data::U64(old), Data::U64(new)) => assert_eq!(old, new),
+                (old_data, new_data) => {
+                    assert_eq!(
+                        std::mem::discriminant(old_data),
+                        std::mem::discriminant(new_data),
+                        "{}",
+                        old.name
+                    );
+                    assert_eq!(bits(old_data), bits(new_data), "{name} {}", old.name);
+                }
+            }
+        }
+    }
 }
 
 #[test]
 fn an_empty_table_keeps_its_columns() {
     let table = f64_table(&[("x", &[]), ("y", &[]), ("label", &[])]);
-    for name in ["t.ply", "t.csv", "t.txt", "t.xyz"] {
+    for name in ["t.ply", "t.csv", "t.txt", "t.xyz", "t.npy", "t.npz"] {
         assert_eq!(there_and_back(&table, name, Encoding::LittleEndian).table, table, "{name}");
     }
     assert_eq!(there_and_back(&table, "t.pts", Encoding::LittleEndian).table.rows(), 0);

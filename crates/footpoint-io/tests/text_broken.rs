@@ -68,12 +68,17 @@ fn binary_content_is_refused() {
 }
 
 #[test]
-fn other_formats_are_named() {
-    for (name, bytes, format) in [
-        ("a.obj", "v 1 2 3", "OBJ"),
-        ("a.ptx", "1\n1\n", "PTX"),
+fn content_of_another_format_than_the_name_says_is_refused_by_name() {
+    for (name, bytes, wanted) in [
+        ("a.las", "x", "LAS"),
+        ("a.e57", "x", "E57"),
+        ("a.pcd", "x", "PCD"),
+        ("a.ptx", "x", "PTX"),
+        ("a.xyz", "LASF....", "LAS"),
+        ("a.xyz", "ASTM-E57", "E57"),
     ] {
-        refuses(name, bytes, &format!("{format} files are not supported yet; convert to PLY or text"));
+        let message = refusal(name, bytes);
+        assert!(message.contains(wanted), "{name}: {message}");
     }
 }
 

@@ -124,3 +124,64 @@ fn unknown_extensions_are_read_as_text() {
     assert_eq!(parse("points", "1 2 3\n").table.rows(), 1);
     assert_eq!(parse("points.asc", "1 2 3\n").table.rows(), 1);
 }
+
+#[test]
+fn numbers_of_any_length_are_the_nearest_doubles() {
+    let odd = [
+        "-0",
+        "00012.50",
+        ".5",
+        "-.5",
+        "5.",
+        "0.30000000000000004",
+        "9007199254740992",
+        "9007199254740993",
+        "9007199254740993.0",
+        "123456789012345678",
+        "1234567890123456789",
+        "18446744073709551616",
+        "1e5",
+        "-2.5E-3",
+        "0.000000000000000001",
+        "4.9e-324",
+        "1e400",
+        "inf",
+        "-inf",
+        "596000.123",
+        "0.1",
+        "1.7976931348623157e308",
+    ];
+    let mut random = 1_u64;
+    let digits = (0..20_000).map(|index| {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let (whole, decimals) = ((random >> 30).to_string(), index % 17);
+        let point = whole.len().saturating_sub(decimals);
+        format!("{}{}.{}", if index % 2 == 0 { "-" } else { "" }, &whole[..point], &whole[point..])
+    });
+    let written: Vec<String> = odd.iter().map(ToString::to_string).chain(digits).collect();
+    let text: String = written.iter().map(|number| format!("{number} 1 {number}\n")).collect();
+    let table = parse("a.xyz", text).table;
+    for column in [0, 2] {
+        let Data::F64(read) = &table.columns[column].data else { panic!("numbers") };
+        for (written, read) in written.iter().zip(read) {
+            let wanted: f64 = written.parse().unwrap();
+            assert_eq!(read.to_bits(), wanted.to_bits(), "{written}");
+        }
+    }
+}
+
+#[test]
+fn plain_rows_and_odd_ones_stay_in_order() {
+    let line = |index: usize| match index % 1000 {
+        7 => format!("{index},1,\n"),
+        8 => format!("# between\n{index} 1 {index}.5\n"),
+        _ => format!("{index}, 1 ;{index}.5\n"),
+    };
+    let text: String = (0..20_000).map(line).collect();
+    let table = parse("a.csv", text).table;
+    let wanted: Vec<f64> = (0..20_000).map(f64::from).collect();
+    assert_eq!(numbers(&table, "x"), wanted);
+    let z = numbers(&table, "z");
+    assert!(z.iter().enumerate().all(|(i, z)| if i % 1000 == 7 { z.is_nan() } else { *z == i as f64 + 0.5 }));
+    assert_eq!(table.comments.len(), 20);
+}

@@ -51,7 +51,7 @@ fn places_that_cannot_be_written_are_refused() {
     refuses(
         &folder.path().join("a.doc"),
         Overwrite::Refuse,
-        "end it in one of: ply las laz xyz csv txt pts pwn xy",
+        "end it in one of: ply las laz e57 pcd xyz csv txt pts pwn xy obj npy npz",
     );
     refuses(&folder.path().join("a.ply.gz"), Overwrite::Refuse, "no format to write");
     refuses(&folder.path().join("ply"), Overwrite::Refuse, "no format to write");
@@ -78,7 +78,7 @@ fn a_protected_file_is_refused() {
 #[test]
 fn tables_a_format_cannot_hold_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let (ply, csv) = (folder.path().join("a.ply"), folder.path().join("a.csv"));
+    let [ply, csv, npy] = ["a.ply", "a.csv", "a.npy"].map(|name| folder.path().join(name));
     let with = |column| {
         let mut table = points();
         table.columns.push(column);
@@ -91,6 +91,12 @@ fn tables_a_format_cannot_hold_are_refused() {
         (&ply, with(Column::new("x", two())), "two columns are named `x`"),
         (&ply, with(Column::new("t", text("a"))), "column `t` holds text, which PLY cannot"),
         (&ply, with(Column::new("a b", two())), "column name \"a b\" cannot stand"),
+        (
+            &npy,
+            with(Column::new("t", text("a"))),
+            "column `t` holds text, which NumPy files of numbers cannot",
+        ),
+        (&npy, with(Column::new("a\tb", two())), "column name \"a\\tb\" cannot stand"),
         (&csv, with(Column::new("a\nb", two())), "column name \"a\\nb\" cannot stand"),
         (&csv, with(Column::new("t", text("a\nb"))), "column `t`, row 1: the text has a line break"),
     ];

@@ -1,6 +1,8 @@
 //! Writing a file, a table as a rule: checks before the work, a partial file during it, one rename at the end.
 
+mod npy;
 pub(crate) mod number;
+mod obj;
 mod ply;
 mod text;
 
@@ -123,6 +125,9 @@ pub enum WriteProblem {
         /// The format.
         format: &'static str,
     },
+    /// Columns that OBJ has no place for.
+    #[error("OBJ holds only coordinates, normals and colours; leave out {0}, or write PLY")]
+    NotInObj(String),
     /// A name that cannot stand in the file's header.
     #[error("column name {0:?} cannot stand in the header of this format; rename it")]
     Name(String),
@@ -146,16 +151,17 @@ pub fn check_writable(path: &Path, overwrite: Overwrite) -> Result<(), WriteErro
 }
 
 /// Checks that the format of `path` can hold `table`: columns of one length, names of their own, no text
-/// columns in PLY and LAS, finite coordinates in LAS, no line breaks in text.
+/// columns but in text files, finite coordinates in LAS, no line breaks in text, nothing but coordinates, normals and
+/// colours in OBJ.
 pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
     at(path, || check_columns(target_of(path)?, table))
 }
 
-/// Writes `table` to `path` in the format of its extension: `ply las laz e57 pcd xyz csv txt pts pwn xy`.
+/// Writes `table` to `path` in the format of its extension: `ply las laz e57 pcd xyz csv txt pts pwn xy obj npy npz`.
 ///
 /// All values read back as the same numbers, but for coordinates in LAS, which [`LasKept`](crate::LasKept)
-/// tells of; text keeps no types, `pts` no names and no comments, `csv` no
-/// comments, for the sake of other readers. A partial file beside `path` (`.NAME.*.partial`) becomes `path`
+/// tells of; text keeps no types, `pts` no names and no comments, `csv`, `npy` and `npz` no comments, for the sake of other
+/// readers, and `obj` has colours from 0 to 1. A partial file beside `path` (`.NAME.*.partial`) becomes `path`
 /// in one step when it is complete, and is removed on any error. Fails as [`check_writable`] and
 /// [`check_table`] do, and on a full disk.
 pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), WriteError> {
@@ -221,8 +227,16 @@ fn fill(file: &mut std::fs::File, target: Target, table: &Table, options: &Write
         Target::E57 => e57::write(out.get_mut(), table)?,
         Target::Text(kind) => text::write(&mut out, table, kind)?,
         Target::Las { is_packed } => las::write(&mut out, table, is_packed)?,
+        Target::Obj => obj::write(&mut out, table)?,
+        Target::Npy => npy::write(&mut out, table)?,
+        Target::Npz => npy::write_archive(&mut out, table)?,
     }
     out.flush()
+}
+
+/// The comments, each at least one line.
+fn comment_lines(table: &Table) -> impl Iterator<Item = &str> {
+    table.comments.iter().flat_map(|comment| comment.split('\n')).map(|line| line.trim_end_matches('\r'))
 }
 
 /// The folder that holds `path`.
@@ -258,6 +272,9 @@ fn partial(path: &Path) -> Result<NamedTempFile, WriteProblem> {
 }
 
 fn check_columns(target: Target, table: &Table) -> Result<(), WriteProblem> {
+    if target == Target::Obj {
+        obj::check(table)?;
+    }
     let mut names = std::collections::HashSet::new();
     for column in &table.columns {
         let (found, wanted) = (column.data.len(), table.rows());
@@ -273,6 +290,8 @@ fn check_columns(target: Target, table: &Table) -> Result<(), WriteProblem> {
             Target::Pcd => pcd::check(column)?,
             Target::Text(_) => text::check(column)?,
             Target::Las { .. } => {}
+            Target::Obj => {}
+            Target::Npy | Target::Npz => npy::check(column)?,
         }
     }
     match target {

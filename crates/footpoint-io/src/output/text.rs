@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use super::WriteProblem;
 use super::number::{write_real, write_value};
+use super::{WriteProblem, comment_lines};
 use crate::format::TextKind;
 use crate::text::needs_quotes;
 use crate::{Column, Data, Table};
@@ -27,7 +27,7 @@ pub(super) fn write(out: &mut impl Write, table: &Table, kind: TextKind) -> io::
     let separator = if kind == TextKind::Csv { "," } else { " " };
     // A csv reader would take a comment for the header, a pts reader for a point.
     if !matches!(kind, TextKind::Csv | TextKind::Pts) {
-        for line in table.comments.iter().flat_map(|comment| comment.lines()) {
+        for line in comment_lines(table) {
             writeln!(out, "# {line}")?;
         }
     }

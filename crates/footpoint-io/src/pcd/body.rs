@@ -4,7 +4,8 @@ use super::header::{Field, Header};
 use super::{PcdEncoding, PcdError, lzf};
 use crate::Data;
 use crate::excerpt::excerpt;
-use crate::ply::{Order, append, push};
+use crate::ply::push;
+use crate::rows::{Order, append};
 use crate::scalar::Scalar;
 use crate::source::Source;
 

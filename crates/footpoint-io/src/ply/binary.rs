@@ -3,6 +3,7 @@
 use super::PlyError;
 use super::header::{Element, Kind};
 use crate::Data;
+use crate::rows::{Order, append};
 use crate::scalar::Scalar;
 use crate::source::Source;
 
@@ -10,12 +11,6 @@ use crate::source::Source;
 const BLOCK: u64 = 128 * 1024;
 /// Rows to make room for where the size of the file does not bound them.
 const BLIND_ROOM: u64 = 1 << 16;
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Order {
-    Little,
-    Big,
-}
 
 /// Reads the scalar properties of all rows, one column each in the header's order.
 pub(super) fn read(source: &mut Source<'_>, order: Order, element: &Element) -> Result<Vec<Data>, PlyError> {
@@ -152,43 +147,6 @@ fn list_bytes(
             Err(PlyError::ListLength { element, row, property, length })
         }
     }
-}
-
-/// Appends one property of a block of rows to its column.
-pub(crate) fn append(column: &mut Data, rows: &[u8], stride: usize, offset: usize, order: Order) {
-    let big = order == Order::Big;
-    match column {
-        Data::I8(v) => decode(v, rows, stride, offset, i8::from_le_bytes),
-        Data::U8(v) => decode(v, rows, stride, offset, u8::from_le_bytes),
-        Data::I16(v) if big => decode(v, rows, stride, offset, i16::from_be_bytes),
-        Data::I16(v) => decode(v, rows, stride, offset, i16::from_le_bytes),
-        Data::U16(v) if big => decode(v, rows, stride, offset, u16::from_be_bytes),
-        Data::U16(v) => decode(v, rows, stride, offset, u16::from_le_bytes),
-        Data::I32(v) if big => decode(v, rows, stride, offset, i32::from_be_bytes),
-        Data::I32(v) => decode(v, rows, stride, offset, i32::from_le_bytes),
-        Data::U32(v) if big => decode(v, rows, stride, offset, u32::from_be_bytes),
-        Data::U32(v) => decode(v, rows, stride, offset, u32::from_le_bytes),
-        Data::I64(v) if big => decode(v, rows, stride, offset, i64::from_be_bytes),
-        Data::I64(v) => decode(v, rows, stride, offset, i64::from_le_bytes),
-        Data::U64(v) if big => decode(v, rows, stride, offset, u64::from_be_bytes),
-        Data::U64(v) => decode(v, rows, stride, offset, u64::from_le_bytes),
-        Data::F32(v) if big => decode(v, rows, stride, offset, f32::from_be_bytes),
-        Data::F32(v) => decode(v, rows, stride, offset, f32::from_le_bytes),
-        Data::F64(v) if big => decode(v, rows, stride, offset, f64::from_be_bytes),
-        Data::F64(v) => decode(v, rows, stride, offset, f64::from_le_bytes),
-        Data::Text(_) => {}
-    }
-}
-
-fn decode<T, const N: usize>(
-    out: &mut Vec<T>,
-    rows: &[u8],
-    stride: usize,
-    offset: usize,
-    number: impl Fn([u8; N]) -> T,
-) {
-    let field = |row: &[u8]| row.get(offset..).and_then(|rest| rest.first_chunk::<N>().copied());
-    out.extend(rows.chunks_exact(stride).filter_map(field).map(number));
 }
 
 fn end_in_bytes(element: &Element, found: u64) -> PlyError {

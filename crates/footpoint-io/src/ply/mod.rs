@@ -10,10 +10,10 @@ mod header;
 
 use std::io::ErrorKind;
 
+use crate::rows::Order;
 use crate::source::Source;
 use crate::{Column, Encoding, OtherElement, ReadReport, Table};
 pub(crate) use ascii::push;
-pub(crate) use binary::{Order, append};
 pub use error::PlyError;
 use header::{Element, Header, Kind};
 

@@ -3,6 +3,7 @@
 mod error;
 mod fields;
 mod names;
+mod quick;
 
 use crate::excerpt::excerpt;
 use crate::format::TextKind;
@@ -10,8 +11,14 @@ use crate::source::Source;
 use crate::{Column, Data, ReadReport, Table};
 pub use error::TextError;
 use fields::{Row, split};
+use quick::Quick;
 
 pub(crate) use fields::{is_comment, needs_quotes};
+
+/// The customary names of columns that nothing names.
+pub(crate) fn by_position(columns: usize) -> Vec<String> {
+    names::by_position(columns, TextKind::Txt)
+}
 
 /// Reads all rows; `kind` decides the names of columns that no header names.
 pub(crate) fn read(
@@ -22,11 +29,14 @@ pub(crate) fn read(
     check_text(head)?;
     let line_end = if head.contains(&b'\r') && !head.contains(&b'\n') { b'\r' } else { b'\n' };
     let mut reader = Reader::new(kind);
-    let mut line = Vec::new();
     let mut row = Row::default();
-    while source.read_line(line_end, &mut line)? {
-        let number = source.line_number();
-        let content = if number == 1 { line.strip_prefix(BOM).unwrap_or(&line) } else { &line }.trim_ascii();
+    let mut number = 0;
+    while let Some(line) = source.next_line(line_end)? {
+        number += 1;
+        if reader.quick(line) {
+            continue;
+        }
+        let content = if number == 1 { line.strip_prefix(BOM).unwrap_or(line) } else { line }.trim_ascii();
         if content.is_empty() {
             continue;
         }
@@ -69,6 +79,7 @@ struct Body {
     first_line: u64,
     columns: Vec<Column>,
     positional: bool,
+    quick: Option<Quick>,
     /// Empty fields and the line of the first.
     empty: usize,
     first_empty: u64,
@@ -77,6 +88,12 @@ struct Body {
 impl Reader {
     fn new(kind: TextKind) -> Self {
         Self { kind, comments: Vec::new(), first: None, count: None, header: None, body: None }
+    }
+
+    /// Whether a line was a row of plain numbers, which is taken.
+    fn quick(&mut self, line: &[u8]) -> bool {
+        let Some(Body { quick: Some(quick), columns, .. }) = &mut self.body else { return false };
+        quick.take(line, columns)
     }
 
     fn comment(&mut self, line: u64, content: &[u8]) -> Result<(), TextError> {
@@ -141,8 +158,9 @@ impl Reader {
             let is_text = !crate::roles::is_coordinate(&name) && row.is_word(content, i);
             Column::new(name, if is_text { Data::Text(Vec::new()) } else { Data::F64(Vec::new()) })
         });
-        let columns = columns.collect();
-        let mut body = Body { first_line: line, columns, positional, empty: 0, first_empty: 0 };
+        let columns: Vec<Column> = columns.collect();
+        let quick = Quick::new(&columns);
+        let mut body = Body { first_line: line, columns, positional, quick, empty: 0, first_empty: 0 };
         // A lone number above rows of one column is the first of them.
         if self.header.is_none()
             && let (Some((_, first)), [Column { data: Data::F64(values), .. }]) =
@@ -159,6 +177,7 @@ impl Reader {
     fn finish(mut self) -> Result<(Table, ReadReport), TextError> {
         let mut report = ReadReport::default();
         let Some(mut body) = self.body.take() else { return self.finish_without_rows(report) };
+        body.flush();
         let rows = body.columns.first().map_or(0, |column| column.data.len());
         if let Some((line, count)) = self.count.filter(|(_, count)| *count != rows as f64) {
             if self.kind != TextKind::Pts {
@@ -218,6 +237,12 @@ impl Reader {
 }
 
 impl Body {
+    fn flush(&mut self) {
+        if let Some(quick) = &mut self.quick {
+            quick.flush(&mut self.columns);
+        }
+    }
+
     fn push(
         &mut self,
         line: u64,
@@ -225,6 +250,7 @@ impl Body {
         row: &mut Row,
         header: Option<&(u64, Vec<String>)>,
     ) -> Result<(), TextError> {
+        self.flush();
         let wanted = self.columns.len();
         if row.len() == wanted + 1 {
             row.drop_empty_end();
