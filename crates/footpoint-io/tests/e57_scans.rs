@@ -387,6 +387,13 @@ fn what_is_no_scan_is_refused() {
     );
     let many = lie("recordCount=\"1\"", "recordCount=\"9\"");
     assert!(refusal("a.e57", &many).contains("scan 1, point 2 of 9: "));
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let (name, count) = ("<![CDATA[station 0]]>", "recordCount=\"1\"");
+    let old = &text[text.find(name).unwrap()..text.find(count).unwrap() + count.len()];
+    let lie_at_length =
+        old.replace(name, "   ").replace(count, &format!("recordCount=\"1{}\"", "0".repeat(18)));
+    let absurd = refusal("a.e57", &lie(old, &lie_at_length));
+    assert!(absurd.contains("the scans state 1000000000000000000 points, which want"), "{absurd}");
     let lost = lie("cartesianX", "cartesianQ");
     assert!(refusal("a.e57", &lost).contains("scan 1 has neither Cartesian nor spherical coordinates"));
     assert_eq!(parse("a.xyz", &bytes).format, Format::E57);

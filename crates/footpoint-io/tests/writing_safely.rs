@@ -48,7 +48,11 @@ fn an_existing_file_stays_without_permission() {
 #[test]
 fn places_that_cannot_be_written_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    refuses(&folder.path().join("a.doc"), Overwrite::Refuse, "end it in one of: ply xyz csv txt pts pwn xy");
+    refuses(
+        &folder.path().join("a.doc"),
+        Overwrite::Refuse,
+        "end it in one of: ply e57 pcd xyz csv txt pts pwn xy",
+    );
     refuses(&folder.path().join("a.ply.gz"), Overwrite::Refuse, "no format to write");
     refuses(&folder.path().join("ply"), Overwrite::Refuse, "no format to write");
     refuses(&folder.path().join("no/a.ply"), Overwrite::Refuse, "does not exist; create it first");
