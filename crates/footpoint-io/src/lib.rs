@@ -6,7 +6,8 @@
 //!
 //! Reading: PLY (ascii, little and big endian), PCD (ascii, binary, compressed) and text (`xyz csv txt pts
 //! pwn xy`, with or without a header), each also gzipped, and E57 (all scans, in their common frame).
-//! Writing: the same formats, uncompressed, never half a file.
+//! Writing: the same formats, uncompressed, never half a file. Points that an E57 file calls invalid stay as
+//! rows, with coordinates that are no numbers.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
