@@ -7,7 +7,8 @@
 //! Reading: PLY (ascii, little and big endian), PCD (ascii, binary, compressed), text (`xyz csv txt pts pwn
 //! xy`, with or without a header), OBJ, PTX and NumPy arrays (`npy`), each also gzipped; LAS 1.0 to 1.4, LAZ
 //! and COPC; E57 (all scans, in their common frame); NumPy archives (`npz`). Writing: the same formats but
-//! COPC and PTX, not gzipped, never half a file.
+//! COPC and PTX, not gzipped, never half a file. Points that an E57 file calls invalid stay as rows, with
+//! coordinates that are no numbers.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -7,7 +7,7 @@ mod common;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-use common::{Sample, f64_table, names, numbers, parse, refusal};
+use common::{Sample, crc32c, f64_table, names, numbers, parse, refusal};
 use e57::{
     E57Writer, Extension, Quaternion, Record, RecordDataType, RecordName, RecordValue, Transform, Translation,
 };
@@ -387,6 +387,13 @@ fn what_is_no_scan_is_refused() {
     );
     let many = lie("recordCount=\"1\"", "recordCount=\"9\"");
     assert!(refusal("a.e57", &many).contains("scan 1, point 2 of 9: "));
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let (name, count) = ("<![CDATA[station 0]]>", "recordCount=\"1\"");
+    let old = &text[text.find(name).unwrap()..text.find(count).unwrap() + count.len()];
+    let lie_at_length =
+        old.replace(name, "   ").replace(count, &format!("recordCount=\"1{}\"", "0".repeat(18)));
+    let absurd = refusal("a.e57", lie(old, &lie_at_length));
+    assert!(absurd.contains("the scans state 1000000000000000000 points, which want"), "{absurd}");
     let lost = lie("cartesianX", "cartesianQ");
     assert!(refusal("a.e57", &lost).contains("scan 1 has neither Cartesian nor spherical coordinates"));
     assert_eq!(parse("a.xyz", &bytes).format, Format::E57);
@@ -400,9 +407,4 @@ fn resealed(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
         payload[at..at + to.len()].copy_from_slice(to.as_bytes());
     }
     payload.chunks(1020).flat_map(|page| [page, &crc32c(page).to_be_bytes()].concat()).collect()
-}
-
-fn crc32c(bytes: &[u8]) -> u32 {
-    let step = |crc: u32| if crc & 1 == 1 { crc >> 1 ^ 0x82f6_3b78 } else { crc >> 1 };
-    !bytes.iter().fold(u32::MAX, |crc, byte| (0..8).fold(crc ^ u32::from(*byte), |crc, _| step(crc)))
 }

@@ -4,18 +4,8 @@
 
 mod common;
 
-use common::{Sample, extremes, real_files};
+use common::{Lcg, Sample, extremes, real_files};
 use footpoint_io::{Encoding, Overwrite, WriteOptions, read, write};
-
-/// A fixed sequence of numbers, the same in each run.
-struct Lcg(u64);
-
-impl Lcg {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as usize) % limit
-    }
-}
 
 /// Reads the bytes; any result will do, as long as all columns are of one length.
 fn survives(name: &str, bytes: &[u8]) {

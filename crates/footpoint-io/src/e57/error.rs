@@ -51,6 +51,24 @@ pub enum E57Error {
         /// The points it states.
         points: u64,
     },
+    /// More points than the file has bytes for.
+    #[error("the scans state {points} points, which want {wanted} bytes at the least; the file has {found}")]
+    TooManyPoints {
+        /// The points of all scans.
+        points: u128,
+        /// The bytes that so many take.
+        wanted: u128,
+        /// The length of the file.
+        found: u64,
+    },
+    /// More columns than any file has use for.
+    #[error("the scans have {found} different attributes; at most {most} are read")]
+    TooWide {
+        /// The attributes of all scans.
+        found: usize,
+        /// The limit.
+        most: usize,
+    },
     /// A pose that turns nothing into something.
     #[error("the pose of scan {scan} has no rotation: its quaternion is zero or not finite")]
     Pose {

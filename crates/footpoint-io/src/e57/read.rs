@@ -1,6 +1,6 @@
 //! Reading E57: a plan of columns from all scans, then the points scan by scan.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fs::File;
 use std::path::Path;
 use std::rc::Rc;
@@ -16,6 +16,8 @@ use crate::{Column, Data, Frame, Kept, ReadReport, Table, Unit, Watch};
 
 /// Bytes that attributes may run ahead of each other: many packets, which have 64 KiB at most.
 const AHEAD: u64 = 1 << 20;
+/// Attributes of the richest files: some dozens.
+const MOST_COLUMNS: usize = 4096;
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A scan, and where the values of its points go.
@@ -51,16 +53,23 @@ pub(crate) fn read(path: &Path, watch: Option<&dyn Watch>) -> Result<(Table, Rea
     for (index, cloud) in reader.pointclouds().into_iter().enumerate() {
         scans.push(Scan::new(cloud, index + 1)?);
     }
+    check_claims(&scans, size)?;
     let mut report = ReadReport::default();
     let (plans, extensions) = plan(&mut scans, &reader.extensions())?;
-    let mut columns: Vec<Column> =
-        plans.iter().map(|plan| Column::new(plan.name.clone(), plan.scalar.column(0))).collect();
+    let rows: u64 = scans.iter().map(|scan| scan.cloud.records).sum();
+    // Room for all points, unless the table would be far larger than the file.
+    let is_likely = rows.saturating_mul(plans.len() as u64) <= size.saturating_add(1 << 17);
+    let room = usize::try_from(rows).ok().filter(|_| is_likely).unwrap_or(0);
+    let empty = |plan: &Plan| Column::new(plan.name.clone(), plan.scalar.column(room));
+    let mut columns: Vec<Column> = plans.iter().map(empty).collect();
     let mut kept = E57Kept { extensions, ..E57Kept::default() };
     for (index, scan) in scans.iter().enumerate() {
         let before = columns.first().map_or(0, |column| column.data.len());
         read_points(&mut reader, (scan, index), &mut columns, (&limits, &mut kept)).map_err(stopped)?;
         let after = columns.first().map_or(0, |column| column.data.len());
-        fill(&mut columns, after, index, &mut report.notes);
+        if after > before {
+            fill(&mut columns, after, index, &mut report.notes);
+        }
         kept.scans.push(scan.kept(after - before));
         report.notes.extend(scan.colour_note(index));
     }
@@ -89,6 +98,23 @@ fn check_length(file: &mut File) -> Result<(), E57Error> {
     let found = file.metadata()?.len();
     let stated = header.get(16..).and_then(|rest| rest.first_chunk()).map_or(24, |b| u64::from_le_bytes(*b));
     if found < stated { Err(E57Error::Cut { stated, found }) } else { Ok(()) }
+}
+
+/// Refuses more points than the file has bytes for. Attributes that take no bytes count too, as a file could have a
+/// table of any size by those: 16 values for a byte are beyond all that are in use.
+fn check_claims(scans: &[Scan], size: u64) -> Result<(), E57Error> {
+    const VALUES_PER_BYTE: u128 = 16;
+    const FREE_VALUES: u128 = 1 << 20;
+    let sum = |of: &dyn Fn(&PointCloud) -> u64| {
+        scans.iter().map(|scan| u128::from(scan.cloud.records) * u128::from(of(&scan.cloud))).sum::<u128>()
+    };
+    let bytes = sum(&|cloud| cloud.prototype.iter().map(|record| bits(&record.data_type)).sum()) / 8;
+    let values = sum(&|cloud| cloud.prototype.len() as u64);
+    let wanted = bytes.max(values.saturating_sub(FREE_VALUES) / VALUES_PER_BYTE);
+    if wanted > u128::from(size) {
+        return Err(E57Error::TooManyPoints { points: sum(&|_| 1), wanted, found: size });
+    }
+    Ok(())
 }
 
 impl Scan {
@@ -220,6 +246,7 @@ fn plan(scans: &mut [Scan], known: &[e57::Extension]) -> Result<(Vec<Plan>, Vec<
     if scans.iter().any(Scan::has_state) {
         plans.push(Plan { name: "invalid_state".to_owned(), scalar: Scalar::U8 });
     }
+    let mut places: HashMap<String, usize> = HashMap::new();
     for (number, scan) in scans.iter_mut().enumerate() {
         let mut names: HashSet<String> = AXES.iter().map(|name| (*name).to_owned()).collect();
         names.insert("invalid_state".to_owned());
@@ -229,30 +256,39 @@ fn plan(scans: &mut [Scan], known: &[e57::Extension]) -> Result<(Vec<Plan>, Vec<
                 continue;
             }
             let mut name = column_name(&record.name);
-            if let RecordName::Unknown { namespace, name: tag } = &record.name {
-                if names.contains(&name) {
-                    name = format!("{namespace}_{tag}");
-                }
-                let url = known.iter().find(|known| known.namespace == *namespace);
-                let is_ours = [records::OURS.0, records::NORMALS.0, ""].contains(&namespace.as_str());
-                if let Some(url) = url.filter(|_| !is_ours && !extensions.iter().any(|e| e.column == name)) {
-                    let (namespace, tag, url) = (namespace.clone(), tag.clone(), url.url.clone());
-                    extensions.push(Extended { column: name.clone(), namespace, name: tag, url });
-                }
+            if let (RecordName::Unknown { namespace, name: tag }, true) =
+                (&record.name, names.contains(&name))
+            {
+                name = format!("{namespace}_{tag}");
             }
             if !names.insert(name.clone()) {
                 return Err(E57Error::DuplicateName { scan: number + 1, name });
             }
             let scalar = scalar(&record.data_type);
-            let place = plans.iter().position(|plan| plan.name == name);
-            match place.and_then(|place| plans.get_mut(place)) {
-                Some(plan) => plan.scalar = records::common(plan.scalar, scalar),
-                None => plans.push(Plan { name, scalar }),
+            let place = *places.entry(name.clone()).or_insert(plans.len());
+            if let Some(plan) = plans.get_mut(place) {
+                plan.scalar = records::common(plan.scalar, scalar);
+            } else {
+                extensions.extend(extended(&name, &record.name, known));
+                plans.push(Plan { name, scalar });
             }
-            scan.columns.push(Some(place.unwrap_or(plans.len() - 1)));
+            scan.columns.push(Some(place));
         }
     }
+    if plans.len() > MOST_COLUMNS {
+        return Err(E57Error::TooWide { found: plans.len(), most: MOST_COLUMNS });
+    }
     Ok((plans, extensions))
+}
+
+/// Where an attribute of an extension goes back to, if it is not one of those that are found anew.
+fn extended(column: &str, name: &RecordName, known: &[e57::Extension]) -> Option<Extended> {
+    let RecordName::Unknown { namespace, name } = name else { return None };
+    let known = known.iter().find(|known| known.namespace == *namespace)?;
+    let is_found_anew = [records::OURS.0, records::NORMALS.0].contains(&namespace.as_str());
+    let (column, namespace, name, url) =
+        (column.to_owned(), namespace.clone(), name.clone(), known.url.clone());
+    (!is_found_anew).then_some(Extended { column, namespace, name, url })
 }
 
 fn read_points(

@@ -183,7 +183,7 @@ pub(super) fn data_type(data: &Data) -> Option<RecordDataType> {
         Data::I64(values) => {
             let low = values.iter().copied().min().unwrap_or(0);
             let high = values.iter().copied().max().unwrap_or(0);
-            let min = if low < -HALF { low } else { -HALF.min(i64::MAX - high).max(1) };
+            let min = if low < -HALF { low } else { -HALF.min(i64::MAX - high.max(0)).max(1) };
             let max = min.checked_add(i64::MAX)?;
             (min <= low && high <= max).then_some((min, max))?
         }
