@@ -228,6 +228,10 @@ fn a_table_of_another_format() {
     table.frame = Frame { crs: Some("LOCAL_CS[\"a\",UNIT[\"foot\",0.3048]]".into()), unit: Some(Unit::Foot) };
     assert_eq!(format(&table), 8);
     assert_eq!(read(&folder.path().join("b.las")).unwrap().table.frame, table.frame);
+    // A file that was LAS gets the system that its table says.
+    let mut moved = read(&folder.path().join("b.las")).unwrap().table;
+    moved.frame = Frame { crs: Some("LOCAL_CS[\"b\",UNIT[\"metre\",1]]".into()), unit: Some(Unit::Metre) };
+    assert_eq!(written(&folder.path().join("c.las"), &moved).frame, moved.frame);
     assert_eq!(format(&f64_table(&[("x", &[0.0]), ("y", &[0.0])])), 6);
 }
 

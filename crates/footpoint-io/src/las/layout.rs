@@ -8,7 +8,7 @@ use super::extra::Extra;
 use super::fields::{self, Field, Kind, unique};
 use super::fit::{fit, widened};
 use super::grid::Grid;
-use super::record::{COPC, Record, SPEC};
+use super::record::{COPC, PROJECTION, Record, SPEC};
 use super::unpack::LASZIP;
 use super::{LasKept, LasMisfit, crs};
 use crate::roles::Roles;
@@ -81,7 +81,8 @@ impl<'t> Layout<'t> {
             return Err(LasMisfit::TooWide { format });
         }
         let (mut vlrs, evlrs) = kept.map_or_else(Default::default, kept_records);
-        if kept.is_none() {
+        if kept.is_none_or(|kept| kept.frame != table.frame) {
+            vlrs.retain(|record| !record.is_of(PROJECTION));
             vlrs.extend(crs::record(&table.frame));
         }
         if !described.is_empty() {
