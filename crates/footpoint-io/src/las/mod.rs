@@ -36,7 +36,8 @@ pub(crate) use write::write;
 /// What a LAS file holds beside its points, and how it stores them: point format, scale and offset, header
 /// fields, variable length records and the descriptions of its extra bytes. All of it is written again, but
 /// the octree of COPC and LAStools' index of the points, and with a point format that has fields for new
-/// colours or times. Columns without a field become extra bytes of their own name and type.
+/// colours or times. Colours of 8 bits are spread over 16. Columns without a field, or with values that it
+/// cannot hold, become extra bytes of their own type, and of their own name, or with `_1` where it is taken.
 ///
 /// Coordinates are integers on a grid in LAS. Each axis keeps its scale and offset where every coordinate
 /// lies on them. Otherwise, and for tables of other formats, the offset is the least coordinate, rounded
