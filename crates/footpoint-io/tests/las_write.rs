@@ -315,6 +315,15 @@ fn numbers_of_every_type_survive() {
 }
 
 #[test]
+fn points_that_pack_to_almost_nothing_are_read() {
+    let sample = Sample::new("a.laz", "");
+    let rows: Vec<f64> = (0..300_000).map(f64::from).collect();
+    let table = f64_table(&[("x", &rows), ("y", &vec![0.0; rows.len()])]);
+    assert_eq!(numbers(&written(&sample.path, &table), "x"), rows);
+    assert!(sample.path.metadata().unwrap().len() < 30 * 300_000 / 300);
+}
+
+#[test]
 fn units_of_wkt() {
     let geographic =
         "GEOGCS[\"WGS 84\",DATUM[\"d\",SPHEROID[\"s\",1,2]],UNIT[\"degree\",0.0174532925199433]]";
