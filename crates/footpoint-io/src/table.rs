@@ -140,6 +140,23 @@ impl Data {
         self.len() == 0
     }
 
+    /// Gives back the room behind the last value.
+    pub(crate) fn shrink(&mut self) {
+        match self {
+            Self::I8(v) => v.shrink_to_fit(),
+            Self::U8(v) => v.shrink_to_fit(),
+            Self::I16(v) => v.shrink_to_fit(),
+            Self::U16(v) => v.shrink_to_fit(),
+            Self::I32(v) => v.shrink_to_fit(),
+            Self::U32(v) => v.shrink_to_fit(),
+            Self::I64(v) => v.shrink_to_fit(),
+            Self::U64(v) => v.shrink_to_fit(),
+            Self::F32(v) => v.shrink_to_fit(),
+            Self::F64(v) => v.shrink_to_fit(),
+            Self::Text(v) => v.shrink_to_fit(),
+        }
+    }
+
     /// Leaves out the values whose flag is not set.
     pub(crate) fn keep(&mut self, flags: &[bool]) {
         fn chosen<T>(values: &mut Vec<T>, flags: &[bool]) {

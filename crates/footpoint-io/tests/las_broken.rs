@@ -48,14 +48,29 @@ fn malformed_files() {
     }
 }
 
+/// The first value, fifty times with small changes.
+fn repeated(data: &Data) -> Data {
+    match data {
+        Data::F64(v) => Data::F64((0..50).map(|i| v[0] + f64::from(i) * 0.25).collect()),
+        Data::U16(v) => Data::U16((0..50).map(|i| v[0] ^ i).collect()),
+        Data::I8(v) => Data::I8(vec![v[0]; 50]),
+        Data::U8(v) => Data::U8(vec![v[0]; 50]),
+        other => other.clone(),
+    }
+}
+
 /// Small files of each kind, some of them ours.
 fn samples(data: &Path) -> Vec<(&'static str, Vec<u8>)> {
     let mut samples = Vec::new();
-    for file in ["perm_1.2_3.las", "laspy_simple.laz", "lidr_dbh.laz"] {
+    for file in ["perm_1.2_3.las", "lidr_dbh.laz"] {
         samples.push((file, std::fs::read(data.join("las").join(file)).unwrap()));
     }
     samples.push(("page.copc.laz", std::fs::read(data.join("copc/simple_with_page.copc.laz")).unwrap()));
     let folder = tempfile::tempdir().unwrap();
+    let mut tiny = read(&data.join("las/perm_1.2_3.las")).unwrap().table;
+    tiny.columns.iter_mut().for_each(|column| column.data = repeated(&column.data));
+    write(&folder.path().join("tiny.laz"), &tiny, &WriteOptions::default()).unwrap();
+    samples.push(("tiny.laz", std::fs::read(folder.path().join("tiny.laz")).unwrap()));
     let within = Some(Bounds { low: [0.0; 3], high: [194_270.0, 1e9, 1e9] });
     for (name, file) in [("wave.laz", "laspy_fullwave.laz"), ("extra.las", "laspy_extra.laz")] {
         let mut table =
@@ -91,14 +106,14 @@ fn cut_anywhere() {
     let Some(data) = real_files() else { return };
     for (name, bytes) in samples(&data) {
         let whole = survives(name, &bytes).unwrap();
-        // Every byte of the head, then in steps.
-        let cuts = (0..bytes.len().min(700)).chain((700..bytes.len()).step_by(bytes.len() / 120 + 1));
+        // At every byte of the smallest, at some of the others.
+        let cuts = (0..bytes.len()).step_by(if bytes.len() < 3000 { 1 } else { bytes.len() / 80 });
         for cut in cuts {
             let rows = survives(name, &bytes[..cut]);
             assert!(rows.is_none_or(|rows| rows <= whole), "{name} cut at {cut}");
             // A packed file that is cut before what stands behind the points has lost its table of chunks.
             assert!(
-                name.ends_with("las") || rows.is_none() || cut + 4000 > bytes.len(),
+                name.ends_with("las") || rows.is_none() || cut + 4000 > bytes.len().max(7000),
                 "{name} cut at {cut}"
             );
         }
@@ -114,7 +129,7 @@ fn flipped_bytes() {
         ((state >> 33) as usize) % limit
     };
     for (name, bytes) in samples(&data) {
-        for round in 0..150 {
+        for round in 0..60 {
             let mut broken = bytes.clone();
             // Half of the damage goes to the head.
             let reach = if round % 2 == 0 { broken.len() } else { broken.len().min(700) };
@@ -179,4 +194,52 @@ fn chunk_tables_and_points_that_lie() {
     moved.extend((table as i64).to_le_bytes());
     let sample = Sample::new("a.laz", moved);
     assert_eq!(read(&sample.path).unwrap().table.columns, read(&path).unwrap().table.columns);
+}
+
+#[test]
+fn layers_longer_than_their_chunk() {
+    let Some(data) = real_files() else { return };
+    let mut bytes = std::fs::read(data.join("las/laspy_1_4_w_evlr.laz")).unwrap();
+    let start = u32::from_le_bytes(bytes[96..100].try_into().unwrap()) as usize;
+    // Behind the place of the table, the first point and the number of points.
+    let size = start + 8 + 30 + 4;
+    bytes[size..size + 4].copy_from_slice(&[0xff; 4]);
+    let message = refusal("a.laz", bytes);
+    assert!(
+        message.contains("packed points from point 1 on") && message.contains("its fields want 4294"),
+        "{message}"
+    );
+}
+
+#[test]
+fn broken_keys_and_octrees_are_noted() {
+    let Some(data) = real_files() else { return };
+    let path = data.join("las/pdal_test_utm17.las");
+    let mut bytes = std::fs::read(&path).unwrap();
+    let header = usize::from(u16::from_le_bytes(bytes[94..96].try_into().unwrap()));
+    bytes[header + 54] = 9;
+    let sample = Sample::new("a.las", &bytes);
+    let input = read(&sample.path).unwrap();
+    assert!(input.report.notes[0].contains("its GeoTIFF keys are broken"), "{:?}", input.report);
+    assert_eq!((&input.table.frame.crs, input.table.rows()), (&None, 10));
+
+    let within = Some(Bounds { low: [636_000.0, 849_000.0, 0.0], high: [637_000.0, 851_000.0, 600.0] });
+    let options = ReadOptions { within, watch: None };
+    let path = data.join("copc/simple_with_page.copc.laz");
+    let whole = read_with(&path, &options).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    // The place of the root page, its size, and the half width of the octree.
+    for (at, value) in [(40, u64::MAX), (48, u64::MAX), (48, 32), (24, f64::NAN.to_bits())] {
+        let mut bytes = bytes.clone();
+        let at = 375 + 54 + at;
+        bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
+        let sample = Sample::new("a.copc.laz", &bytes);
+        let input = read_with(&sample.path, &options).unwrap();
+        assert!(
+            input.report.notes[0].contains("the octree of this COPC file is broken"),
+            "{:?}",
+            input.report
+        );
+        assert_eq!(input.table.columns, whole.table.columns);
+    }
 }

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use common::real_files;
-use footpoint_io::read;
+use footpoint_io::{Data, read};
 use rustix::time::{ClockId, clock_gettime};
 
 /// The least time of the processor, of five runs.
@@ -49,6 +49,30 @@ fn laz_is_read_as_fast_as_by_the_las_crate() {
             rate(points),
             points.as_secs_f64() / ours.as_secs_f64(),
         );
-        assert!(points >= ours.mul_f64(0.9), "{file}: slower than the las crate");
+        assert!(ratio >= 0.9, "{file}: slower than the las crate");
     }
+}
+
+/// The most memory this process has held so far, in bytes; Linux tells it.
+fn peak() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kilobytes| kilobytes * 1024.0)
+}
+
+#[test]
+#[ignore = "measures its whole process; run it alone, with --ignored --nocapture"]
+fn memory_of_reading_is_that_of_the_columns() {
+    let (Some(data), Some(before)) = (real_files(), peak()) else { return };
+    let table = read(&data.join("las/autzen_south6.laz")).unwrap().table;
+    let taken = peak().unwrap() - before;
+    let rows = table.rows() as f64;
+    let bytes = |data: &Data| match data {
+        Data::F64(_) => 8.0,
+        Data::U16(_) => 2.0,
+        _ => 1.0,
+    };
+    let columns: f64 = table.columns.iter().map(|column| bytes(&column.data)).sum();
+    println!("{:.1} bytes a point, of which the columns are {columns}", taken / rows);
+    assert!(taken / rows < columns + 6.0);
 }

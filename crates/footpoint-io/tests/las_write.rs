@@ -228,6 +228,10 @@ fn a_table_of_another_format() {
     table.frame = Frame { crs: Some("LOCAL_CS[\"a\",UNIT[\"foot\",0.3048]]".into()), unit: Some(Unit::Foot) };
     assert_eq!(format(&table), 8);
     assert_eq!(read(&folder.path().join("b.las")).unwrap().table.frame, table.frame);
+    // A file that was LAS gets the system that its table says.
+    let mut moved = read(&folder.path().join("b.las")).unwrap().table;
+    moved.frame = Frame { crs: Some("LOCAL_CS[\"b\",UNIT[\"metre\",1]]".into()), unit: Some(Unit::Metre) };
+    assert_eq!(written(&folder.path().join("c.las"), &moved).frame, moved.frame);
     assert_eq!(format(&f64_table(&[("x", &[0.0]), ("y", &[0.0])])), 6);
 }
 
@@ -308,4 +312,46 @@ fn numbers_of_every_type_survive() {
     }
     assert_eq!(back.column("i"), table.column("i"));
     assert!(matches!(back.kept, Some(Kept::Las(_))));
+}
+
+#[test]
+fn points_that_pack_to_almost_nothing_are_read() {
+    let sample = Sample::new("a.laz", "");
+    let rows: Vec<f64> = (0..300_000).map(f64::from).collect();
+    let table = f64_table(&[("x", &rows), ("y", &vec![0.0; rows.len()])]);
+    assert_eq!(numbers(&written(&sample.path, &table), "x"), rows);
+    assert!(sample.path.metadata().unwrap().len() < 30 * 300_000 / 300);
+}
+
+#[test]
+fn units_of_wkt() {
+    let geographic =
+        "GEOGCS[\"WGS 84\",DATUM[\"d\",SPHEROID[\"s\",1,2]],UNIT[\"degree\",0.0174532925199433]]";
+    let projected = |unit: &str| format!("PROJCS[\"a, [b]\",{geographic},PARAMETER[\"p\",1],UNIT[{unit}]]");
+    let axes = "PROJCRS[\"p\",BASEGEOGCRS[\"g\",DATUM[\"d\",ELLIPSOID[\"e\",1,2,LENGTHUNIT[\"metre\",1]]]],\
+                CONVERSION[\"c\",PARAMETER[\"x\",0,LENGTHUNIT[\"metre\",1]]],CS[Cartesian,2],\
+                AXIS[\"e\",east,LENGTHUNIT[\"US survey foot\",0.304800609601219]]]";
+    for (wkt, unit) in [
+        (geographic.to_owned(), Some(Unit::Degree)),
+        (projected("\"metre\",1"), Some(Unit::Metre)),
+        (projected("\"foot\",0.3048"), Some(Unit::Foot)),
+        (projected("\"US foot\",0.3048006"), Some(Unit::UsSurveyFoot)),
+        (projected("\"chain\",20.1168"), None),
+        (
+            format!("COMPD_CS[\"c\",{},VERT_CS[\"v\",UNIT[\"m\",1]]]", projected("\"ft\",0.3048")),
+            Some(Unit::Foot),
+        ),
+        (
+            "GEOGCRS[\"g\",CS[ellipsoidal,2],AXIS[\"lat\",north],ANGLEUNIT[\"degree\",0.0174]]".into(),
+            Some(Unit::Degree),
+        ),
+        (axes.to_owned(), Some(Unit::UsSurveyFoot)),
+        ("VERT_CS[\"v\",UNIT[\"m\",1]]".into(), None),
+        ("no system [at all".into(), None),
+    ] {
+        let sample = Sample::new("a.las", "");
+        let mut table = f64_table(&[("x", &[0.0]), ("y", &[0.0])]);
+        table.frame.crs = Some(wkt.clone());
+        assert_eq!(written(&sample.path, &table).frame, Frame { crs: Some(wkt.clone()), unit }, "{wkt}");
+    }
 }

@@ -58,7 +58,10 @@ pub enum LasError {
         offset: f64,
     },
     /// More points than any real packed file of this size holds.
-    #[error("the header says {points} points, which {size} packed bytes cannot hold; the file is broken")]
+    #[error(
+        "the header says {points} points, which {size} packed bytes can hardly hold; if the file is whole, \
+         unpack it to .las first"
+    )]
     TooMany {
         /// The points the header states.
         points: u64,

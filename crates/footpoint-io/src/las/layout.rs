@@ -8,7 +8,7 @@ use super::extra::Extra;
 use super::fields::{self, Field, Kind, unique};
 use super::fit::{fit, widened};
 use super::grid::Grid;
-use super::record::{COPC, Record, SPEC};
+use super::record::{COPC, PROJECTION, Record, SPEC};
 use super::unpack::LASZIP;
 use super::{LasKept, LasMisfit, crs};
 use crate::roles::Roles;
@@ -55,33 +55,25 @@ impl<'t> Layout<'t> {
         let format = columns.format(kept.map(|kept| kept.format), is_keyed);
         let mut header = kept.map_or_else(new_header, |kept| kept.header.clone());
         put_grids(&mut header, table, &roles)?;
-        let mut fields = columns.take_standard(format, &header);
-        if kept.is_none() && !fields.iter().any(|(field, _)| field.name == "number_of_returns") {
-            // Each point is the only return of its pulse: LAS counts returns from 1.
-            let own = fields::standard(format, &header).unwrap_or_default();
-            let returns = own
-                .into_iter()
-                .filter(|field| matches!(field.name.as_str(), "return_number" | "number_of_returns"));
-            let ones = returns.filter(|field| !fields.iter().any(|(taken, _)| taken.name == field.name));
-            let ones: Vec<_> =
-                ones.map(|field| (field, Cow::Owned(Data::U8(vec![1; table.rows()])))).collect();
-            fields.extend(ones);
+        let own = fields::standard(format, &header).unwrap_or_default();
+        let mut fields = columns.take_standard(&own);
+        if kept.is_none() {
+            add_returns(&mut fields, &own, table.rows());
         }
-        for (axis, field) in
-            fields::standard(format, &header).unwrap_or_default().into_iter().take(3).enumerate()
-        {
-            if let Some(data) = roles.coordinates.get(axis).and_then(|&index| table.columns.get(index)) {
-                fields.push((field, as_doubles(&data.data)));
+        for (field, &index) in own.iter().zip(&roles.coordinates) {
+            if let Some(column) = table.columns.get(index) {
+                fields.push((field.clone(), as_doubles(&column.data)));
             }
         }
-        let base = fields::size(&fields::standard(format, &header).unwrap_or_default());
-        let (described, extra) = columns.take_extras(kept, &header, (format, base), &mut fields)?;
+        let base = fields::size(&own);
+        let (described, extra) = columns.take_extras(kept, (format, &own), &mut fields)?;
         let record = base + extra;
         if record > usize::from(u16::MAX) {
             return Err(LasMisfit::TooWide { format });
         }
         let (mut vlrs, evlrs) = kept.map_or_else(Default::default, kept_records);
-        if kept.is_none() {
+        if kept.is_none_or(|kept| kept.frame != table.frame) {
+            vlrs.retain(|record| !record.is_of(PROJECTION));
             vlrs.extend(crs::record(&table.frame));
         }
         if !described.is_empty() {
@@ -142,12 +134,12 @@ impl<'t> Columns<'t> {
     }
 
     /// Takes the columns that the fields of the point format hold, each by its name.
-    fn take_standard(&mut self, format: u8, header: &raw::Header) -> Vec<(Field, Cow<'t, Data>)> {
+    fn take_standard(&mut self, own: &[Field]) -> Vec<(Field, Cow<'t, Data>)> {
         // Colours of 8 bits are widened together or not at all.
         let bytes = |name: &str| self.find(name).is_some_and(|column| matches!(column.data, Data::U8(_)));
         let widen = COLOURS.iter().all(|name| bytes(name));
         let mut taken = Vec::new();
-        for field in fields::standard(format, header).unwrap_or_default().into_iter().skip(3) {
+        for field in own.iter().skip(3) {
             let Some(column) = self.find(&field.name) else { continue };
             let data = match COLOURS.contains(&field.name.as_str()) && widen {
                 true => widened(&column.data).map(Cow::Owned),
@@ -155,7 +147,7 @@ impl<'t> Columns<'t> {
             };
             if let Some(data) = data {
                 self.left.retain(|left| left.name != column.name);
-                taken.push((field, data));
+                taken.push((field.clone(), data));
             }
         }
         taken
@@ -166,15 +158,11 @@ impl<'t> Columns<'t> {
     fn take_extras(
         &mut self,
         kept: Option<&LasKept>,
-        header: &raw::Header,
-        (format, base): (u8, usize),
+        (format, own): (u8, &[Field]),
         fields: &mut Vec<(Field, Cow<'t, Data>)>,
     ) -> Result<(Vec<u8>, usize), LasMisfit> {
-        let mut names: Vec<String> = fields::standard(format, header)
-            .unwrap_or_default()
-            .into_iter()
-            .map(|field| field.name)
-            .collect();
+        let base = fields::size(own);
+        let mut names: Vec<String> = own.iter().map(|field| field.name.clone()).collect();
         let mut places: Vec<(Extra, Vec<Cow<'t, Data>>)> = Vec::new();
         for extra in kept.map_or(&[][..], |kept| &kept.extras) {
             let fitting = extra.fields.iter().map(|field| fit(&self.find(&field.name)?.data, field.kind));
@@ -216,6 +204,17 @@ impl<'t> Columns<'t> {
         }
         debug_assert!(fields.iter().all(|(_, data)| data.len() == self.rows));
         Ok((described, size))
+    }
+}
+
+/// Makes each point the only return of its pulse, where no column says otherwise: LAS counts returns from 1.
+fn add_returns(fields: &mut Vec<(Field, Cow<'_, Data>)>, own: &[Field], rows: usize) {
+    for field in
+        own.iter().filter(|field| matches!(field.name.as_str(), "return_number" | "number_of_returns"))
+    {
+        if !fields.iter().any(|(taken, _)| taken.name == field.name) {
+            fields.push((field.clone(), Cow::Owned(Data::U8(vec![1; rows]))));
+        }
     }
 }
 
@@ -292,7 +291,9 @@ fn finish_header(
         return Err(LasMisfit::TooManyPoints(rows));
     }
     header.version = Version::new(1, minor);
-    header.header_size = header.version.header_size() + header.padding.len() as u16;
+    let own = header.version.header_size();
+    header.padding.truncate(usize::from(u16::MAX - own));
+    header.header_size = own + header.padding.len() as u16;
     header.point_data_record_format = format;
     header.point_data_record_length = record as u16;
     if format > 5 {

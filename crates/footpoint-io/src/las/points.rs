@@ -67,6 +67,9 @@ impl<'w> Points<'w> {
         if self.until_told < TOLD {
             self.tell()?;
         }
+        if self.within.is_some() {
+            self.columns.iter_mut().for_each(Data::shrink);
+        }
         let names = self.fields.into_iter().map(|field| field.name);
         Ok(names.zip(self.columns).map(|(name, data)| Column::new(name, data)).collect())
     }

@@ -17,10 +17,10 @@ use super::record::part;
 
 /// The record that says how the points are packed.
 pub(super) const LASZIP: (&str, u16) = (LazVlr::USER_ID, LazVlr::RECORD_ID);
-/// Unpacked bytes for each byte of the file, beyond what any real file reaches.
-const MOST_PER_BYTE: u64 = 1000;
-/// Unpacked bytes that are allowed whatever the size.
-const MOST_AT_LEAST: u64 = 1 << 26;
+/// Unpacked bytes for each byte of the file; surveys reach 5 to 30, regular grids without attributes 2000.
+const MOST_PER_BYTE: u64 = 200;
+/// Unpacked bytes that are allowed whatever the size, for the sake of such grids.
+const MOST_AT_LEAST: u64 = 1 << 30;
 
 /// Points packed together.
 #[derive(Debug, Clone, Copy)]
