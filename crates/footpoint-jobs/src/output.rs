@@ -1,8 +1,11 @@
-//! Names of the columns that jobs add, which depend on the format of the output.
+//! What jobs write: the names of the columns that they add, which depend on the format of the output, and the table itself.
 
+use crate::clock::timed;
+use crate::report::Report;
+use crate::{Context, JobError};
 use footpoint::Status;
 use footpoint_io::roles::Roles;
-use footpoint_io::{Column, Data, Table};
+use footpoint_io::{Column, Data, Table, WriteOptions, write};
 use std::path::Path;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -40,6 +43,15 @@ impl Naming {
         }
     }
 
+    /// Of the surface normal at a foot point, in a file whose coordinates are not those of the foot point:
+    /// `foot_normal_x`, or `foot_nx`.
+    pub(crate) fn foot_normal(self, axis: usize) -> String {
+        match self {
+            Self::Ply => format!("foot_n{}", AXES[axis]),
+            Self::Text => format!("foot_normal_{}", AXES[axis]),
+        }
+    }
+
     pub(crate) fn status(self, statuses: &[Status]) -> Column {
         let data = match self {
             Self::Ply => Data::U8(statuses.iter().map(|&s| s as u8).collect()),
@@ -52,6 +64,19 @@ impl Naming {
 /// `nx`, in every format: the name that readers of given normals look for first.
 pub(crate) fn oriented_normal(axis: usize) -> String {
     Naming::Ply.surface_normal(axis)
+}
+
+/// Writes a job's table, and says so in its report.
+pub(crate) fn put_table(
+    output: &Path,
+    table: &Table,
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<(), JobError> {
+    let options = WriteOptions { overwrite: context.overwrite, ..WriteOptions::default() };
+    timed(&mut report.times.write, || write(output, table, &options))?;
+    report.wrote(output);
+    Ok(())
 }
 
 /// Drops the statuses that an earlier job wrote as words: this job writes its own, and PLY holds no words.
