@@ -107,7 +107,8 @@ fn run<const D: usize>(
     };
     let points = queries.points::<D>();
     let Feet { found, walked } =
-        timed(&mut report.times.compute, || search.feet(&surface, &points, &context.run))?;
+        timed(&mut report.times.compute, || search.feet(&surface, &points, &context.run))
+            .map_err(|problem| queries.uncertainty_error(problem))?;
     report.count(&found.feet.status);
     let signed = surface.sign() == Sign::Given;
     let sigma = has_sigma.then_some(found.sigma.as_slice());

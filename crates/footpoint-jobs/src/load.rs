@@ -4,7 +4,9 @@ use crate::clock::timed;
 use crate::output::drop_own_status;
 use crate::report::{InputReport, NoiseSource, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError};
-use footpoint::{Cloud, Definition, Error, Noise, NoiseError, OrientError, Support, Surface};
+use footpoint::{
+    Cloud, Definition, Error, Noise, NoiseError, OrientError, Support, Surface, UncertaintyError,
+};
 use footpoint_io::roles::Roles;
 use footpoint_io::{Format, Input, Unit, check_table};
 use std::path::Path;
@@ -137,6 +139,14 @@ impl Loaded {
     /// What is wrong with noise that belongs to this file.
     pub(crate) fn noise_error(&self, problem: NoiseError) -> JobError {
         JobError::Noise { path: self.path.clone(), problem }
+    }
+
+    /// Why there are no uncertainties of distances from these points.
+    pub(crate) fn uncertainty_error(&self, problem: UncertaintyError) -> JobError {
+        match problem {
+            UncertaintyError::QueryNoise(problem) => self.noise_error(problem),
+            other => other.into(),
+        }
     }
 
     /// A column of standard deviations or, where there is none of this name, columns of covariances that begin with it.

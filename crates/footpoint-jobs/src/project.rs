@@ -54,7 +54,8 @@ fn run<const D: usize>(
         if let Some(noise) = points.query_noise(&context.recipe)? {
             uncertainty = uncertainty.with_query_noise(noise);
         }
-        let found = timed(&mut report.times.compute, || running.uncertainty(queries, &uncertainty))?;
+        let found = timed(&mut report.times.compute, || running.uncertainty(queries, &uncertainty))
+            .map_err(|problem| points.uncertainty_error(problem))?;
         (found.feet, Some((found.sigma, found.bias)))
     };
     report.count(&result.status);

@@ -11,7 +11,7 @@ pub(super) fn describe(out: &mut String, found: &DistanceReport) -> Result {
     let kind = if found.signed { "signed by the cloud's normals" } else { "without sign" };
     writeln!(out, "distances, {kind}: {} points", found.answered)?;
     if found.walked > 0 {
-        writeln!(out, "  {} of them reached from the nearest sample, along the surface", found.walked)?;
+        writeln!(out, "  {} of them beyond the projection, reached along the surface", found.walked)?;
     }
     if found.answered == 0 {
         return Ok(());

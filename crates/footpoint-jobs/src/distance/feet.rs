@@ -1,8 +1,7 @@
 //! The foot point of every query, however far it is, with what is known of the distance's errors.
 
 use super::walk::{distance, sub, walk};
-use crate::JobError;
-use footpoint::{Noise, Project, Run, Status, Surface, Uncertainties, Uncertainty};
+use footpoint::{Noise, Project, Run, Status, Surface, Uncertainties, Uncertainty, UncertaintyError};
 
 /// Beyond this distance, in the smallest support, another foot point may be nearer than the projection's (SPEC § 11).
 const SURE: f64 = 0.5;
@@ -25,7 +24,7 @@ pub(super) struct Search<const D: usize> {
 pub(super) struct Feet<const D: usize> {
     /// Everything but the registration; NaN where the status is not *ok*, foot points too.
     pub(super) found: Uncertainties<D>,
-    /// How many were found by a walk from the nearest sample.
+    /// How many were found by a walk along the surface.
     pub(super) walked: usize,
 }
 
@@ -36,7 +35,7 @@ impl<const D: usize> Search<D> {
         surface: &Surface<D>,
         queries: &[[f64; D]],
         run: &Run<'_>,
-    ) -> Result<Feet<D>, JobError> {
+    ) -> Result<Feet<D>, UncertaintyError> {
         let mut found = surface.with(run).uncertainty(queries, &self.uncertainty(None))?;
         let unsure = |&row: &usize| match found.feet.status[row] {
             Status::Invalid => false,
@@ -72,7 +71,7 @@ impl<const D: usize> Search<D> {
         (queries, rows): (&[[f64; D]], &[usize]),
         found: &mut Uncertainties<D>,
         run: &Run<'_>,
-    ) -> Result<usize, JobError> {
+    ) -> Result<usize, UncertaintyError> {
         if rows.is_empty() {
             return Ok(0);
         }

@@ -18,7 +18,7 @@ pub struct DistanceReport {
     pub signed: bool,
     /// Points with a distance.
     pub answered: usize,
-    /// How many of them lay too far off for the projection, and were reached from the nearest sample along the surface.
+    /// How many of them lay too far off for the projection, and were reached along the surface.
     pub walked: usize,
     /// Mean.
     pub mean: f64,
@@ -117,10 +117,14 @@ impl DistanceReport {
 }
 
 impl Histogram {
-    /// From the 1st to the 99th hundredth, symmetric about 0 for distances with a sign, from 0 on for those without.
+    /// Without the hundredths furthest out, symmetric about 0 for distances with a sign, from 0 on for those without.
     fn of(distances: &Sorted, signed: bool) -> Self {
-        let [low, high] = [0.01, 0.99].map(|share| distances.quantile(share));
-        let reach = if signed { low.abs().max(high.abs()) } else { high };
+        let reach = |beyond: f64| {
+            let [low, high] = [beyond, 1.0 - beyond].map(|share| distances.quantile(share));
+            if signed { low.abs().max(high.abs()) } else { high }
+        };
+        // Where nearly all are 0 the rest decides.
+        let reach = if reach(0.01) > 0.0 { reach(0.01) } else { reach(0.0) };
         let [low, high] = [if signed { -reach } else { 0.0 }, reach];
         let mut histogram = Self { low, high, counts: vec![0; BARS], below: 0, above: 0 };
         for &distance in distances.values() {
@@ -157,6 +161,9 @@ mod tests {
         assert!(signed.counts[..5].iter().all(|&c| c == 0) && signed.counts[10] > 0, "{signed:?}");
         let same = histogram(&[0.0; 7], true);
         assert_eq!((same.counts[10], same.low, same.high), (7, 0.0, 0.0));
+        let mut few = [0.0; 1000];
+        few[3] = 0.2;
+        assert_eq!(histogram(&few, false).high, 0.2);
         let unsigned = histogram(&[0.5; 7], false);
         assert_eq!((unsigned.low, unsigned.high, unsigned.counts[20]), (0.0, 0.5, 7));
         assert_eq!(histogram(&[], true).counts, [0; 21]);

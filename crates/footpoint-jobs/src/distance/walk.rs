@@ -1,7 +1,7 @@
-//! From the samples nearest to far queries along the surface to their foot points.
+//! From the foot points of samples near far queries along the surface to their foot points.
 //!
 //! The projection of a query ends where no sample is near. A foot point is also where the distance to the query is least along
-//! the surface: so a walk starts at the foot point of the nearest sample, takes steps against the part of the way to the query
+//! the surface: so a walk starts at the nearest of the samples' own foot points, takes steps against the part of the way to the query
 //! that lies in the tangent plane, and has every step projected onto the surface. Steps have Barzilai and Borwein's length, and
 //! none may lead further away.
 
@@ -9,8 +9,6 @@ use footpoint::{Cancelled, Progress, Project, Queries, Run, Status, Surface, Wan
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZero;
 
-/// Samples from which the start is chosen: the nearest one may be an outlier, or beyond the rim.
-const CANDIDATES: NonZero<usize> = NonZero::new(8).unwrap();
 /// Longest step, in supports: so far the projection finds the way back.
 const LONGEST: f64 = 0.25;
 /// Where not even such a step, in supports, ends on the surface, it has an end there.
@@ -18,7 +16,7 @@ const SHORTEST: f64 = 1e-3;
 /// Steps a walk may take.
 const ROUNDS: usize = 200;
 
-/// Where a walk ended: a foot point with its distance in supports' unit, or why there is none.
+/// Where a walk ended: a foot point, or why there is none.
 pub(super) type End<const D: usize> = Result<Foot<D>, Status>;
 
 /// A foot point that was walked to.
@@ -30,8 +28,8 @@ pub(super) struct Foot<const D: usize> {
     pub(super) support: f64,
 }
 
-/// Walks from the samples nearest to each query, whose status is *outside* where all samples are farther than `largest` and
-/// a support.
+/// Walks to the foot point of each query from the nearest of the samples' own; *outside* where that is farther than `largest`
+/// and a support.
 pub(super) fn walk<const D: usize>(
     surface: &Surface<D>,
     queries: &[[f64; D]],
@@ -106,10 +104,16 @@ impl<const D: usize> Walker<D> {
     fn settle(&mut self, how: &Project) {
         let tangent = self.tangent();
         let reach = self.support + distance(self.query, self.foot);
-        // The foot itself is known to the tolerance.
-        if dot(tangent, tangent).sqrt() <= 2.0 * how.tolerance() * reach {
+        // The normal turns with the foot: what that is uncertain by, over a support, is an angle.
+        if dot(tangent, tangent).sqrt() <= 2.0 * self.precision(how) * reach {
             self.end = Some(Status::Ok);
         }
+    }
+
+    /// How well the foot is known, in supports: by the tolerance, and the rounding of its coordinates.
+    fn precision(&self, how: &Project) -> f64 {
+        let largest = self.foot.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        how.tolerance() + 2.0 * f64::EPSILON * largest / self.support
     }
 
     /// Where the next step ends, beside the surface.
@@ -122,7 +126,7 @@ impl<const D: usize> Walker<D> {
     /// Takes in what the projection made of the trial.
     fn advance(&mut self, status: Status, (foot, normal): ([f64; D], [f64; D]), how: &Project) {
         let (tangent, before) = (self.tangent(), distance(self.query, self.foot));
-        let slack = 4.0 * how.tolerance() * self.support;
+        let slack = 4.0 * self.precision(how) * self.support;
         // Not so for NaN.
         if status.is_ok() && distance(self.query, foot) <= before + slack {
             let step = sub(foot, self.foot);
@@ -134,80 +138,57 @@ impl<const D: usize> Walker<D> {
         }
         let length = dot(tangent, tangent).sqrt();
         self.share = 0.25 * self.share.min(LONGEST * self.support / length);
-        if self.share * length < SHORTEST.min(how.tolerance()) * self.support
-            || (!status.is_ok() && self.share * length < SHORTEST * self.support)
-        {
+        let shortest = if status.is_ok() { self.precision(how).min(SHORTEST) } else { SHORTEST };
+        if self.share * length < shortest * self.support {
             self.end = Some(match status {
                 Status::Ok => Status::NotConverged,
-                // The domain ends with the samples: this is the rim.
-                Status::Outside => Status::Boundary,
+                // The surface ends with the samples: this is the rim.
+                Status::Outside | Status::Degenerate => Status::Boundary,
                 status => status,
             });
         }
     }
 }
 
-/// The walkers at their starts: of the foot points of the samples nearest to a query the one nearest to it.
+/// The walkers at their starts: of all samples' foot points the one nearest to each query.
 fn starts<const D: usize>(
     surface: &Surface<D>,
     queries: &[[f64; D]],
     (how, largest): (&Project, f64),
     run: &Run<'_>,
 ) -> Result<Vec<Walker<D>>, Cancelled> {
-    let samples = Samples::of(surface);
-    let limit = largest + surface.support().largest;
-    let near: Vec<Option<Vec<usize>>> =
-        queries.iter().map(|&at| samples.nearest(at, limit).filter(|found| !found.is_empty())).collect();
-    let mut wanted: Vec<usize> = near.iter().flatten().flatten().copied().collect();
-    wanted.sort_unstable();
-    wanted.dedup();
-    let points: Vec<[f64; D]> = wanted.iter().map(|&i| samples.points[i]).collect();
+    let mut feet = surface.with(run).project(Queries::Samples, how)?;
+    let mut ok = feet.status.iter().map(|status| status.is_ok());
+    feet.point.retain(|_| ok.next().unwrap_or(false));
+    feet.surface_normal.retain(|normal| !normal[0].is_nan());
+    // In supports squares stay in range, whatever the unit of the file.
+    let unit = surface.support().median;
+    let scaled: Vec<[f64; D]> = feet.point.iter().map(|point| point.map(|c| c / unit)).collect();
+    let tree = ImmutableKdTree::<f64, D>::new_from_slice(&scaled).ok();
+    let near: Vec<Option<usize>> = queries
+        .iter()
+        .map(|at| {
+            let at = at.map(|c| c / unit);
+            let found =
+                tree.as_ref()?.query(&at).nearest_n::<SquaredEuclidean<f64>>(NonZero::<usize>::MIN).execute();
+            found.first().map(|item| item.item as usize)
+        })
+        .collect();
+    let starts: Vec<[f64; D]> = near.iter().flatten().map(|&i| feet.point[i]).collect();
     let quiet = run.silent();
-    let feet = surface.with(&quiet).project(Queries::Points(&points), how)?;
-    let supports = surface.with(&quiet).evaluate(Queries::Points(&feet.point), Want::SUPPORT)?.support;
-    let start = |(&query, near): (&[f64; D], &Option<Vec<usize>>)| {
-        let Some(near) = near else { return Walker::ended(Status::Outside) };
-        let rows: Vec<usize> = near.iter().filter_map(|i| wanted.binary_search(i).ok()).collect();
-        let away = |row: usize| distance(query, feet.point[row]);
-        let usable = rows.iter().copied().filter(|&row| feet.status[row].is_ok());
-        match usable.min_by(|&a, &b| away(a).total_cmp(&away(b))) {
-            Some(row) => Walker::at(query, (feet.point[row], feet.surface_normal[row]), supports[row], how),
-            None => Walker::ended(rows.first().map_or(Status::Outside, |&row| feet.status[row])),
+    let supports = surface.with(&quiet).evaluate(Queries::Points(&starts), Want::SUPPORT)?.support;
+    let mut supports = supports.into_iter();
+    let limit = largest + surface.support().largest;
+    let start = |(&query, near): (&[f64; D], &Option<usize>)| {
+        let found = near.and_then(|i| Some((feet.point[i], feet.surface_normal[i], supports.next()?)));
+        match found {
+            Some((foot, normal, support)) if distance(query, foot) <= limit => {
+                Walker::at(query, (foot, normal), support, how)
+            }
+            _ => Walker::ended(Status::Outside),
         }
     };
     Ok(queries.iter().zip(&near).map(start).collect())
-}
-
-/// The distinct samples, with a tree over them.
-struct Samples<const D: usize> {
-    points: Vec<[f64; D]>,
-    /// Over the points in supports, whose squares stay in range whatever the unit of the file.
-    tree: Option<ImmutableKdTree<f64, D>>,
-    unit: f64,
-}
-
-impl<const D: usize> Samples<D> {
-    fn of(surface: &Surface<D>) -> Self {
-        let finite = |point: &&[f64; D]| point.iter().all(|c| c.is_finite());
-        let mut points: Vec<[f64; D]> = surface.cloud().points().iter().filter(finite).copied().collect();
-        points.sort_unstable_by(|a, b| {
-            let axes = a.iter().zip(b).map(|(a, b)| a.total_cmp(b));
-            axes.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
-        });
-        points.dedup();
-        let unit = surface.support().median;
-        let scaled: Vec<[f64; D]> = points.iter().map(|point| point.map(|c| c / unit)).collect();
-        Self { tree: ImmutableKdTree::new_from_slice(&scaled).ok(), points, unit }
-    }
-
-    /// The nearest samples, the nearest first; none where even that is farther than `limit`.
-    fn nearest(&self, at: [f64; D], limit: f64) -> Option<Vec<usize>> {
-        let query = at.map(|c| c / self.unit);
-        let found =
-            self.tree.as_ref()?.query(&query).nearest_n::<SquaredEuclidean<f64>>(CANDIDATES).execute();
-        let nearest = found.first()?.distance.sqrt() * self.unit;
-        (nearest <= limit).then(|| found.iter().map(|item| item.item as usize).collect())
-    }
 }
 
 pub(super) fn sub<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
