@@ -85,6 +85,11 @@ fn without_normals_there_is_no_sign_and_the_bias_follows() {
     folder.done("distance q.csv --to cloud.csv -o signed.csv");
     let report = folder.report("distance q.csv --to cloud.csv -o d.csv --drop normals");
     assert_eq!(report["distance"]["signed"], false);
+    let axes = folder.report("distance q.csv --to cloud.csv -o a.csv --field axes");
+    assert_eq!(axes["distance"]["signed"], false);
+    assert!(folder.csv("a.csv").numbers("distance").iter().all(|d| *d >= 0.0));
+    let averaged = folder.report("distance q.csv --to cloud.csv -o b.csv --field averaged");
+    assert_eq!(averaged["distance"]["signed"], true);
     let (csv, signed) = (folder.csv("d.csv"), folder.csv("signed.csv"));
     check_feet(&csv, &queries, "unsigned");
     let (distances, biases) = (csv.numbers("distance"), csv.numbers("distance_bias"));
@@ -121,6 +126,39 @@ fn far_from_a_torus() {
         let truth = to_torus(*query);
         assert_eq!(status[i], "ok", "{query:?}");
         assert!((distances[i] - truth).abs() < 1e-4, "{query:?}: {} for {truth}", distances[i]);
+    }
+}
+
+#[test]
+fn far_from_a_noisy_torus() {
+    let folder = Folder::new();
+    let noise = 0.014;
+    let noisy = torus(1.0, 0.4, 20_000, 3).with_noise(noise, 4);
+    write_points(&folder, "cloud.csv", &noisy.points);
+    let mut random = Random::new(9);
+    let queries: Vec<[f64; 3]> = directions(400)
+        .into_iter()
+        .map(|d| d.map(|c| c * 10.0_f64.powf(0.2 + 1.8 * random.uniform())))
+        .collect();
+    write_points(&folder, "q.csv", &queries);
+    let report = folder.report("distance q.csv --to cloud.csv -o d.csv");
+    // Half a spacing of noise at 16 effective neighbours: the surface has bumps and holes.
+    assert!(report["distance"]["answered"].as_u64().unwrap() >= 396, "{}", report["statuses"]);
+    let csv = folder.csv("d.csv");
+    folder.done("project cloud.csv -o feet.csv");
+    let feet = folder.csv("feet.csv");
+    let status = feet.words("status");
+    let samples: Vec<[f64; 3]> =
+        feet.points().into_iter().zip(status).filter(|(_, s)| *s == "ok").map(|(p, _)| p).collect();
+    for (i, (query, distance)) in queries.iter().zip(csv.numbers("distance")).enumerate() {
+        if distance.is_nan() {
+            continue;
+        }
+        assert!((distance - to_torus(*query)).abs() < 3.0 * noise, "{i}: {distance}");
+        let mut around: Vec<f64> = samples.iter().map(|p| gap(*query, 1.0, *p)).collect();
+        around.sort_by(f64::total_cmp);
+        // Walks go down, from the nearest of the samples' own feet or, where they are lost, from the 8th or the 32nd.
+        assert!(distance <= around[31] + 1e-6, "{i}: {distance}, {:?}", &around[..3]);
     }
 }
 

@@ -9,10 +9,18 @@ use footpoint::{Cancelled, Progress, Project, Queries, Run, Status, Surface, Wan
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZero;
 
+/// Walks start at the foot of this rank, 1 the nearest; the next is tried where a walk is lost: noisy surfaces have holes.
+const RANKS: [NonZero<usize>; 3] = [
+    NonZero::<usize>::MIN,
+    NonZero::<usize>::MIN.saturating_add(7),
+    NonZero::<usize>::MIN.saturating_add(31),
+];
 /// Longest step, in supports: so far the projection finds the way back.
 const LONGEST: f64 = 0.25;
 /// Where not even such a step, in supports, ends on the surface, it has an end there.
-const SHORTEST: f64 = 1e-3;
+const SHORTEST: f64 = 1e-2;
+/// Evaluations for a step to come back to the surface: many where it does, few where it never will.
+const MOST_EVALUATIONS: u32 = 100;
 /// Steps a walk may take.
 const ROUNDS: usize = 200;
 
@@ -36,8 +44,34 @@ pub(super) fn walk<const D: usize>(
     (how, largest): (&Project, f64),
     run: &Run<'_>,
 ) -> Result<Vec<End<D>>, Cancelled> {
-    let mut walkers = starts(surface, queries, (how, largest), run)?;
+    let starts = Starts::of(surface, how, run)?;
+    let limit = largest + surface.support().largest;
+    let mut ends: Vec<End<D>> = vec![Err(Status::Outside); queries.len()];
+    for (attempt, rank) in RANKS.into_iter().enumerate() {
+        let lost = |end: &End<D>| attempt == 0 || matches!(end, Err(status) if *status != Status::Outside);
+        let rows: Vec<usize> = (0..queries.len()).filter(|&row| lost(&ends[row])).collect();
+        let points: Vec<[f64; D]> = rows.iter().map(|&row| queries[row]).collect();
+        let mut walkers = starts.walkers(surface, &points, (how, rank, limit), run)?;
+        iterate(surface, &mut walkers, how, run)?;
+        for (walker, row) in walkers.iter().zip(rows) {
+            // The first reason stands.
+            if attempt == 0 || walker.end == Some(Status::Ok) {
+                ends[row] = walker.arrival();
+            }
+        }
+    }
+    Ok(ends)
+}
+
+/// Takes steps until every walk has ended, or for so many rounds.
+fn iterate<const D: usize>(
+    surface: &Surface<D>,
+    walkers: &mut [Walker<D>],
+    how: &Project,
+    run: &Run<'_>,
+) -> Result<(), Cancelled> {
     let quiet = run.silent();
+    let back = how.with_most_evaluations(MOST_EVALUATIONS);
     for _ in 0..ROUNDS {
         let under_way: Vec<usize> = (0..walkers.len()).filter(|&i| walkers[i].end.is_none()).collect();
         run.announce(Progress { done: walkers.len() - under_way.len(), total: walkers.len() });
@@ -45,16 +79,12 @@ pub(super) fn walk<const D: usize>(
             break;
         }
         let trials: Vec<[f64; D]> = under_way.iter().map(|&i| walkers[i].trial()).collect();
-        let landed = surface.with(&quiet).project(Queries::Points(&trials), how)?;
+        let landed = surface.with(&quiet).project(Queries::Points(&trials), &back)?;
         for (k, &i) in under_way.iter().enumerate() {
             walkers[i].advance(landed.status[k], (landed.point[k], landed.surface_normal[k]), how);
         }
     }
-    let end = |walker: Walker<D>| match walker.end.unwrap_or(Status::NotConverged) {
-        Status::Ok => Ok(Foot { point: walker.foot, support: walker.support }),
-        status => Err(status),
-    };
-    Ok(walkers.into_iter().map(end).collect())
+    Ok(())
 }
 
 /// One walk: a query, and the point of the surface that it has come to.
@@ -110,6 +140,13 @@ impl<const D: usize> Walker<D> {
         }
     }
 
+    fn arrival(&self) -> End<D> {
+        match self.end.unwrap_or(Status::NotConverged) {
+            Status::Ok => Ok(Foot { point: self.foot, support: self.support }),
+            status => Err(status),
+        }
+    }
+
     /// How well the foot is known, in supports: by the tolerance, and the rounding of its coordinates.
     fn precision(&self, how: &Project) -> f64 {
         let largest = self.foot.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
@@ -150,45 +187,58 @@ impl<const D: usize> Walker<D> {
     }
 }
 
-/// The walkers at their starts: of all samples' foot points the one nearest to each query.
-fn starts<const D: usize>(
-    surface: &Surface<D>,
-    queries: &[[f64; D]],
-    (how, largest): (&Project, f64),
-    run: &Run<'_>,
-) -> Result<Vec<Walker<D>>, Cancelled> {
-    let mut feet = surface.with(run).project(Queries::Samples, how)?;
-    let mut ok = feet.status.iter().map(|status| status.is_ok());
-    feet.point.retain(|_| ok.next().unwrap_or(false));
-    feet.surface_normal.retain(|normal| !normal[0].is_nan());
-    // In supports squares stay in range, whatever the unit of the file.
-    let unit = surface.support().median;
-    let scaled: Vec<[f64; D]> = feet.point.iter().map(|point| point.map(|c| c / unit)).collect();
-    let tree = ImmutableKdTree::<f64, D>::new_from_slice(&scaled).ok();
-    let near: Vec<Option<usize>> = queries
-        .iter()
-        .map(|at| {
-            let at = at.map(|c| c / unit);
-            let found =
-                tree.as_ref()?.query(&at).nearest_n::<SquaredEuclidean<f64>>(NonZero::<usize>::MIN).execute();
-            found.first().map(|item| item.item as usize)
-        })
-        .collect();
-    let starts: Vec<[f64; D]> = near.iter().flatten().map(|&i| feet.point[i]).collect();
-    let quiet = run.silent();
-    let supports = surface.with(&quiet).evaluate(Queries::Points(&starts), Want::SUPPORT)?.support;
-    let mut supports = supports.into_iter();
-    let limit = largest + surface.support().largest;
-    let start = |(&query, near): (&[f64; D], &Option<usize>)| {
-        let found = near.and_then(|i| Some((feet.point[i], feet.surface_normal[i], supports.next()?)));
-        match found {
-            Some((foot, normal, support)) if distance(query, foot) <= limit => {
-                Walker::at(query, (foot, normal), support, how)
+/// Where walks start: the samples' own foot points.
+struct Starts<const D: usize> {
+    feet: Vec<[f64; D]>,
+    normals: Vec<[f64; D]>,
+    /// Over the feet in `unit`s of a support, whose squares stay in range whatever the unit of the file.
+    tree: Option<ImmutableKdTree<f64, D>>,
+    unit: f64,
+}
+
+impl<const D: usize> Starts<D> {
+    fn of(surface: &Surface<D>, how: &Project, run: &Run<'_>) -> Result<Self, Cancelled> {
+        let found = surface.with(run).project(Queries::Samples, how)?;
+        let ok = |row: &usize| found.status[*row].is_ok();
+        let rows: Vec<usize> = (0..found.status.len()).filter(ok).collect();
+        let feet: Vec<[f64; D]> = rows.iter().map(|&row| found.point[row]).collect();
+        let normals = rows.iter().map(|&row| found.surface_normal[row]).collect();
+        let unit = surface.support().median;
+        let scaled: Vec<[f64; D]> = feet.iter().map(|foot| foot.map(|c| c / unit)).collect();
+        Ok(Self { tree: ImmutableKdTree::new_from_slice(&scaled).ok(), feet, normals, unit })
+    }
+
+    /// The foot of this rank among those near a location: 1 is the nearest. The last there is where there are fewer.
+    fn near(&self, at: [f64; D], rank: NonZero<usize>) -> Option<usize> {
+        let at = at.map(|c| c / self.unit);
+        let found = self.tree.as_ref()?.query(&at).nearest_n::<SquaredEuclidean<f64>>(rank).execute();
+        found.last().map(|item| item.item as usize)
+    }
+
+    /// Walkers at their starts; *outside* for queries without one nearer than `limit`.
+    fn walkers(
+        &self,
+        surface: &Surface<D>,
+        queries: &[[f64; D]],
+        (how, rank, limit): (&Project, NonZero<usize>, f64),
+        run: &Run<'_>,
+    ) -> Result<Vec<Walker<D>>, Cancelled> {
+        let near: Vec<Option<usize>> = queries.iter().map(|&at| self.near(at, rank)).collect();
+        let feet: Vec<[f64; D]> = near.iter().flatten().map(|&i| self.feet[i]).collect();
+        let quiet = run.silent();
+        let mut supports =
+            surface.with(&quiet).evaluate(Queries::Points(&feet), Want::SUPPORT)?.support.into_iter();
+        let start = |(&query, near): (&[f64; D], &Option<usize>)| {
+            let found = near.and_then(|i| Some((self.feet[i], self.normals[i], supports.next()?)));
+            match found {
+                Some((foot, normal, support)) if distance(query, foot) <= limit => {
+                    Walker::at(query, (foot, normal), support, how)
+                }
+                _ => Walker::ended(Status::Outside),
             }
-            _ => Walker::ended(Status::Outside),
-        }
-    };
-    Ok(queries.iter().zip(&near).map(start).collect())
+        };
+        Ok(queries.iter().zip(&near).map(start).collect())
+    }
 }
 
 pub(super) fn sub<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
