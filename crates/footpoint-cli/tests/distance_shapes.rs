@@ -162,6 +162,28 @@ fn far_from_a_noisy_torus() {
     }
 }
 
+/// Half of a real scan's points may be repeats.
+#[test]
+fn repeats_and_the_order_of_the_cloud_change_nothing() {
+    let folder = Folder::new();
+    let points = torus(1.0, 0.4, 3000, 3).points;
+    write_points(&folder, "cloud.csv", &points);
+    let twice: Vec<[f64; 3]> = points.iter().rev().chain(&points).copied().collect();
+    write_points(&folder, "twice.csv", &twice);
+    let reversed: Vec<[f64; 3]> = points.iter().rev().copied().collect();
+    write_points(&folder, "reversed.csv", &reversed);
+    let queries: Vec<[f64; 3]> = directions(100).into_iter().map(|d| d.map(|c| 4.0 * c)).collect();
+    write_points(&folder, "q.csv", &queries);
+    for cloud in ["cloud", "twice", "reversed"] {
+        folder.done(&format!("distance q.csv --to {cloud}.csv -o to_{cloud}.csv --radius 0.2"));
+    }
+    assert_eq!(folder.bytes("to_cloud.csv"), folder.bytes("to_reversed.csv"));
+    let [once, again] = ["to_cloud.csv", "to_twice.csv"].map(|name| folder.csv(name).numbers("distance"));
+    for (a, b) in once.iter().zip(&again) {
+        assert!((a - b).abs() < 1e-7, "{a} and {b}");
+    }
+}
+
 #[test]
 fn above_below_and_beyond_the_rim_of_a_plane() {
     let folder = Folder::new();

@@ -1,12 +1,13 @@
 //! From the foot points of samples near far queries along the surface to their foot points.
 //!
 //! The projection of a query ends where no sample is near. A foot point is also where the distance to the query is least along
-//! the surface: so a walk starts at the nearest of the samples' own foot points, takes steps against the part of the way to the query
+//! the surface: so a walk starts at the nearest of the samples' own foot points, takes steps along the part of the way to the query
 //! that lies in the tangent plane, and has every step projected onto the surface. Steps have Barzilai and Borwein's length, and
 //! none may lead further away.
 
 use footpoint::{Cancelled, Progress, Project, Queries, Run, Status, Surface, Want};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::cmp::Ordering;
 use std::num::NonZero;
 
 /// Walks start at the foot of this rank, 1 the nearest; the next is tried where a walk is lost: noisy surfaces have holes.
@@ -200,7 +201,14 @@ impl<const D: usize> Starts<D> {
     fn of(surface: &Surface<D>, how: &Project, run: &Run<'_>) -> Result<Self, Cancelled> {
         let found = surface.with(run).project(Queries::Samples, how)?;
         let ok = |row: &usize| found.status[*row].is_ok();
-        let rows: Vec<usize> = (0..found.status.len()).filter(ok).collect();
+        let mut rows: Vec<usize> = (0..found.status.len()).filter(ok).collect();
+        // In the order of their coordinates, so that answers depend on no other, and each once.
+        let point = |row: usize| found.point[row];
+        rows.sort_unstable_by(|&a, &b| {
+            let axes = point(a).into_iter().zip(point(b)).map(|(a, b)| a.total_cmp(&b));
+            axes.fold(Ordering::Equal, Ordering::then)
+        });
+        rows.dedup_by(|a, b| point(*a) == point(*b));
         let feet: Vec<[f64; D]> = rows.iter().map(|&row| found.point[row]).collect();
         let normals = rows.iter().map(|&row| found.surface_normal[row]).collect();
         let unit = surface.support().median;
