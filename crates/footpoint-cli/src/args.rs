@@ -1,20 +1,26 @@
 //! Arguments of the command line, and what they mean to the jobs.
 
 mod common;
+mod distance;
 mod files;
+mod project;
 mod render;
 
 use crate::meta;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use common::Common;
+use distance::DistanceArguments;
 use footpoint_jobs::scan::ScanPlan;
 use footpoint_jobs::{
-    Bending, DegreeAim, DemoPlan, Extra, FigurePlan, NonOrientable, NormalChoice, NormalSource, Operator,
-    OrientBy, OrientPlan, Recipe, Support, Which,
+    Bending, DegreeAim, DemoPlan, Extra, FigurePlan, NonOrientable, NormalChoice, NormalSource, OrientBy,
+    OrientPlan, Recipe, Support, Which,
 };
+use project::ProjectArguments;
 use render::RenderArguments;
+use std::convert::Infallible;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Computes with the smooth surface that a point cloud describes.
 ///
@@ -93,6 +99,11 @@ pub(crate) enum Verb {
         after_help = "Examples:\n  footpoint project scan.ply -o smooth.ply\n  footpoint project points.csv --onto scan.ply -o feet.csv --noise auto\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
     )]
     Project(ProjectArguments),
+    /// Tell how far points lie from the surface of a cloud: foot points, distances, their errors and distribution
+    #[command(
+        after_help = "Examples:\n  footpoint distance new.ply --to old.ply -o off.ply\n  footpoint distance new.ply --to old.ply -o off.ply --noise auto --registration 0.002 --colours\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
+    )]
+    Distance(DistanceArguments),
     /// Draw the figures of the paper: the surface as f = 0, its normals, the steps of projections
     #[command(
         after_help = "Examples:\n  footpoint figure all -o figures\n  footpoint figure 3 scan.ply -o figures\nMore options: --help"
@@ -112,6 +123,7 @@ impl Verb {
         match self {
             Self::Demo(a) => a.adjust(&mut recipe),
             Self::Project(a) => a.adjust(&mut recipe)?,
+            Self::Distance(a) => a.adjust(&mut recipe),
             Self::Figure(a) => a.check(&recipe)?,
             Self::Normals(_) | Self::Orient(_) => {
                 recipe.choose_degree = recipe.choose_degree.map(|_| DegreeAim::Normal);
@@ -129,6 +141,7 @@ impl Verb {
             Self::Normals(a) => &a.common,
             Self::Orient(a) => &a.common,
             Self::Project(a) => &a.common,
+            Self::Distance(a) => &a.common,
             Self::Figure(a) => &a.common,
             Self::Render(a) => &a.common,
         }
@@ -347,68 +360,6 @@ enum SourceName {
 }
 
 #[derive(Debug, Args)]
-pub(crate) struct ProjectArguments {
-    /// Points to project
-    pub(crate) input: PathBuf,
-    /// Cloud that defines the surface [default: the points themselves]
-    #[arg(long, value_name = "CLOUD")]
-    pub(crate) onto: Option<PathBuf>,
-    /// File to write: every point on the surface, all columns kept
-    #[arg(short, long)]
-    pub(crate) output: PathBuf,
-    /// Which point of the surface [default: orthogonal]
-    #[arg(long, value_enum)]
-    operator: Option<OperatorName>,
-    /// Degree of the polynomial of Levin's second step, 0 to 4 [default: step one alone]
-    #[arg(long, value_name = "M", value_parser = clap::value_parser!(u8).range(0..=4))]
-    levin_degree: Option<u8>,
-    /// Last step and |f| allowed, in local supports [default: 1e-6]
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = positive)]
-    tolerance: Option<f64>,
-    /// Noise of foreign points, one standard deviation in the unit of the file; with --noise
-    #[arg(long, value_name = "SIGMA", requires = "noise", requires = "onto", allow_negative_numbers = true)]
-    query_noise: Option<f64>,
-    #[command(flatten)]
-    common: Common,
-}
-
-impl ProjectArguments {
-    fn adjust(&self, recipe: &mut Recipe) -> Result<(), String> {
-        let how = recipe.project.get_or_insert_default();
-        if let Some(operator) = self.operator {
-            *how = how.with_operator(match operator {
-                OperatorName::Basic => Operator::Basic,
-                OperatorName::Almost => Operator::AlmostOrthogonal,
-                OperatorName::Orthogonal => Operator::Orthogonal,
-                OperatorName::Levin => Operator::Levin { degree: None },
-            });
-        }
-        match (self.levin_degree, how.operator()) {
-            (None, _) => {}
-            (degree, Operator::Levin { .. }) => *how = how.with_operator(Operator::Levin { degree }),
-            (Some(_), _) => return Err("--levin-degree belongs to --operator levin".to_owned()),
-        }
-        if let Some(tolerance) = self.tolerance {
-            *how = how.with_tolerance(tolerance);
-        }
-        recipe.query_noise = self.query_noise.or(recipe.query_noise);
-        Ok(())
-    }
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum OperatorName {
-    /// To the weighted average first, then along the frame normal; not idempotent
-    Basic,
-    /// Along the frame normal at the result
-    Almost,
-    /// Along the surface normal at the result: the foot point
-    Orthogonal,
-    /// Levin's own, to compare with: the plane that fits best, then --levin-degree over it; slow
-    Levin,
-}
-
-#[derive(Debug, Args)]
 pub(crate) struct FigureArguments {
     /// Number of the figure, 1 to 6, or `all`
     #[arg(value_name = "WHICH", value_parser = which)]
@@ -452,6 +403,31 @@ fn which(text: &str) -> Result<Which, String> {
         _ if text == "all" => Ok(Which::All),
         Ok(number @ 1..=6) => Ok(Which::One(number)),
         _ => Err("it must be 1, 2, 3, 4, 5, 6 or `all`".to_owned()),
+    }
+}
+
+/// Noise of queries: a number, or the name of a column.
+#[derive(Clone, Debug, PartialEq)]
+enum QueryNoise {
+    Uniform(f64),
+    Column(String),
+}
+
+impl FromStr for QueryNoise {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(text.parse().map_or_else(|_| Self::Column(text.to_owned()), Self::Uniform))
+    }
+}
+
+impl QueryNoise {
+    /// In place of what was replayed.
+    fn adjust(&self, recipe: &mut Recipe) {
+        (recipe.query_noise, recipe.query_noise_column) = match self {
+            Self::Uniform(sigma) => (Some(*sigma), None),
+            Self::Column(name) => (None, Some(name.clone())),
+        };
     }
 }
 

@@ -77,6 +77,7 @@ fn work(verb: &Verb, context: &Context<'_>) -> Result<Report, String> {
         Verb::Normals(a) => jobs::normals(&a.input, &a.output, (a.choice(), a.bending()), context),
         Verb::Orient(a) => jobs::orient(&a.input, &a.output, &a.plan(), context),
         Verb::Project(a) => jobs::project(&a.input, a.onto.as_deref(), &a.output, context),
+        Verb::Distance(a) => jobs::distance(&a.input, &a.to, &a.output, a.coloured(), context),
         Verb::Figure(a) => jobs::figure(&a.plan(), context),
         Verb::Render(a) => jobs::render(&a.input, a.output.as_deref(), &a.plan()?, context),
     };

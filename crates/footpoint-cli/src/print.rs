@@ -1,5 +1,7 @@
 //! Reports in words.
 
+mod distance;
+
 use footpoint_jobs::{
     DegreeAim, DegreeChoice, InfoReport, NoiseSource, Projection, RenderReport, Report, Status,
 };
@@ -105,6 +107,9 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         let (rms, median, largest) = (short(moved.rms), short(moved.median), short(moved.largest));
         write!(out, "moved by {rms} rms, {median} median, {largest} at most")?;
         writeln!(out, "; {:.1} evaluations a point", moved.mean_evaluations)?;
+    }
+    if let Some(found) = &report.distance {
+        distance::describe(out, found)?;
     }
     if let Some(found) = &report.orientation {
         writeln!(

@@ -27,6 +27,7 @@ fn every_job_reports_what_it_did() {
         ("normals", "normals cloud.csv -o n.ply", 800, 1),
         ("orient", "orient cloud.csv -o o.ply", 800, 1),
         ("project", "project queries.csv --onto cloud.csv -o p.ply", 91, 1),
+        ("distance", "distance queries.csv --to cloud.csv -o d.ply", 91, 1),
         ("evaluate", "evaluate cloud.csv --at queries.csv -o e.csv", 91, 1),
         ("demo", "demo --rays 400 -o demo --picture-width 0", 618, 3),
     ] {

@@ -68,6 +68,16 @@ fn noise_gives_every_distance_its_deviation_and_bias() {
     assert_eq!(bits(&csv.numbers("distance_bias")), bits(&expected.bias));
     assert!(expected.sigma[0] > 0.03);
 
+    // A column of the queries, each row its own.
+    folder.write(
+        "each.csv",
+        csv_of("x,y,z,own", at.iter().zip([0.03, 0.001]).map(|(p, s)| [&p[..], &[s]].concat())),
+    );
+    folder.done("project each.csv --onto cloud.csv -o w.csv --radius 0.25 --noise 0.01 --query-noise own");
+    let each = folder.csv("w.csv").numbers("distance_sigma");
+    assert_eq!(each[0].to_bits(), expected.sigma[0].to_bits());
+    assert!(each[1] < 0.01, "{each:?}");
+
     folder.done("project cloud.csv -o s.csv --radius 0.25 --noise 0.01");
     let own = uniform.uncertainty(Queries::Samples, &Uncertainty::new()).unwrap();
     assert_eq!(bits(&folder.csv("s.csv").numbers("distance_sigma")), bits(&own.sigma));

@@ -1,8 +1,8 @@
 //! Job: a simulated scan, its normals and its projection, compared with the known truth.
 
 use crate::clock::timed;
-use crate::info::median;
 use crate::load::surface_of_cloud;
+use crate::numbers::{Sorted, median};
 use crate::output::{Naming, set_numbers, set_vectors};
 use crate::project::{moved, projection_columns};
 use crate::render::{RenderPlan, drawn, put};
@@ -164,8 +164,8 @@ struct Errors {
 
 impl Errors {
     fn report(&self, noise: f64) -> DemoReport {
-        let before = root_mean_square(&self.before);
-        let after = root_mean_square(&self.after);
+        let before = Sorted::of(self.before.iter().copied()).rms();
+        let after = Sorted::of(self.after.iter().copied()).rms();
         let ok = self.after.iter().filter(|e| !e.is_nan()).count();
         let median = |errors: &[f64]| median(errors.to_vec()).unwrap_or(f64::NAN);
         DemoReport {
@@ -179,11 +179,6 @@ impl Errors {
             ok_share: ok as f64 / self.after.len() as f64,
         }
     }
-}
-
-fn root_mean_square(errors: &[f64]) -> f64 {
-    let finite: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
-    (finite.iter().map(|e| e * e).sum::<f64>() / finite.len() as f64).sqrt()
 }
 
 /// Angle between two axes, whatever their signs.

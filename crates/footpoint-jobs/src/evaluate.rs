@@ -2,11 +2,11 @@
 
 use crate::clock::timed;
 use crate::load::Loaded;
-use crate::output::{Naming, along, set_counts, set_numbers, set_vectors};
+use crate::output::{Naming, along, put_table, set_counts, set_numbers, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Curvatures, Evaluations, Queries, Want};
-use footpoint_io::{Column, Table, check_table, check_writable};
+use footpoint_io::{Column, Table, check_writable};
 use std::path::Path;
 
 /// Columns of `evaluate` beyond the usual ones.
@@ -60,10 +60,7 @@ pub fn evaluate(
     let mut report = Report::new("evaluate", context.recipe.clone());
     let loaded = Loaded::read(cloud, context, &mut report)?;
     report.inputs.push(loaded.report());
-    let mut at = Loaded::read(queries, context, &mut report)?;
-    report.inputs.push(at.report());
-    at.drop_own_status();
-    check_table(output, &at.input.table)?;
+    let at = Loaded::read_for(output, queries, context, &mut report)?;
     loaded.check_dimension(&at)?;
     match loaded.roles.dimension() {
         2 => run::<2>(&loaded, at, output, extra, context, report),
@@ -91,8 +88,7 @@ fn run<const D: usize>(
     report.count(&result.status);
 
     let table = arrange(at, result, extra, Naming::of(output));
-    timed(&mut report.times.write, || context.write(output, &table))?;
-    report.wrote(output);
+    put_table(output, &table, context, &mut report)?;
     Ok(report)
 }
 

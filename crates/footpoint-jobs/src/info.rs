@@ -2,6 +2,7 @@
 
 use crate::clock::timed;
 use crate::load::Loaded;
+use crate::numbers::median;
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Cloud, NormalField, Queries, Support, Surface, Want};
@@ -181,10 +182,4 @@ fn repeats<const D: usize>(points: &[&[f64; D]]) -> usize {
     bits.sort_unstable();
     bits.dedup();
     points.len() - bits.len()
-}
-
-pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.retain(|v| !v.is_nan());
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

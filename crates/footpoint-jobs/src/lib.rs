@@ -8,12 +8,14 @@
 
 mod clock;
 mod demo;
+mod distance;
 mod dry;
 mod evaluate;
 mod figure;
 mod info;
 mod load;
 mod normals;
+mod numbers;
 mod orient;
 mod output;
 mod project;
@@ -25,6 +27,7 @@ mod triptych;
 
 pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
+pub use distance::{Coloured, DistanceReport, Histogram, Quantile, distance};
 pub use dry::{Files, dry_run};
 pub use evaluate::{Extra, evaluate};
 pub use figure::{FigurePlan, Which, figure};
@@ -135,6 +138,28 @@ pub enum JobError {
     /// Uncertainties cannot be had.
     #[error(transparent)]
     Uncertainty(footpoint::UncertaintyError),
+    /// An error of the registration or of the queries without noise of the samples.
+    #[error(
+        "{0} is part of sigma, which needs the noise of the samples: --noise SIGMA, --noise COLUMN or --noise auto"
+    )]
+    PartOfSigma(&'static str),
+    /// A number that makes no sense.
+    #[error("{what} is {value}: it must be {wanted}")]
+    Number {
+        /// Which number.
+        what: &'static str,
+        /// As given.
+        value: f64,
+        /// What would make sense.
+        wanted: &'static str,
+    },
+    /// Coordinates that are angles.
+    #[error(
+        "{0}: its coordinates are degrees of longitude and latitude, which are no lengths: reproject the file to metres or \
+         feet first, to its UTM zone or a national grid (`pdal translate IN OUT reprojection \
+         --filters.reprojection.out_srs=EPSG:CODE`)"
+    )]
+    Degrees(String),
     /// The samples cannot be oriented as asked.
     #[error("{path}: {problem}")]
     Orient {

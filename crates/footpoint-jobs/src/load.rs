@@ -4,9 +4,11 @@ use crate::clock::timed;
 use crate::output::drop_own_status;
 use crate::report::{InputReport, NoiseSource, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError, Stage};
-use footpoint::{Cloud, Definition, Error, Noise, OrientError, Support, Surface};
+use footpoint::{
+    Cloud, Definition, Error, Noise, NoiseError, OrientError, Support, Surface, UncertaintyError,
+};
 use footpoint_io::roles::Roles;
-use footpoint_io::{Format, Input};
+use footpoint_io::{Format, Input, Unit, check_table};
 use std::path::Path;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -22,6 +24,7 @@ impl Loaded {
     /// Reads a file, leaves out what the recipe drops, and finds coordinates and normals.
     pub(crate) fn read(path: &Path, context: &Context<'_>, report: &mut Report) -> Result<Self, JobError> {
         let mut input = timed(&mut report.times.read, || context.read(path))?;
+        check_unit(&input, path)?;
         let find = |input: &Input| {
             Roles::find(&input.table).map_err(|problem| JobError::Roles { path: path.to_owned(), problem })
         };
@@ -31,6 +34,20 @@ impl Loaded {
             roles = find(&input)?;
         }
         Ok(Self { input, roles, path: path.display().to_string() })
+    }
+
+    /// Reads a file whose rows, with what the job adds, become `output`; fails where that format cannot hold them.
+    pub(crate) fn read_for(
+        output: &Path,
+        path: &Path,
+        context: &Context<'_>,
+        report: &mut Report,
+    ) -> Result<Self, JobError> {
+        let mut loaded = Self::read(path, context, report)?;
+        report.inputs.push(loaded.report());
+        loaded.drop_own_status();
+        check_table(output, &loaded.input.table)?;
+        Ok(loaded)
     }
 
     pub(crate) fn points<const D: usize>(&self) -> Vec<[f64; D]> {
@@ -51,7 +68,7 @@ impl Loaded {
     }
 
     /// Drops the statuses that an earlier job wrote as words.
-    pub(crate) fn drop_own_status(&mut self) {
+    fn drop_own_status(&mut self) {
         drop_own_status(&mut self.input.table);
         // Columns may have moved up. A table that had coordinates has them still.
         if let Ok(roles) = Roles::find(&self.input.table) {
@@ -125,11 +142,32 @@ impl Loaded {
         if let Some(name) = &recipe.factor_column {
             cloud = cloud.with_factors(self.column(name)?).map_err(misfit)?;
         }
-        let wrong = |problem| JobError::Noise { path: self.path.clone(), problem };
+        let wrong = |problem| self.noise_error(problem);
         match &recipe.noise {
             Some(NoiseSource::Uniform(sigma)) => cloud.with_noise(Noise::Uniform(*sigma)).map_err(wrong),
             Some(NoiseSource::Column(name)) => cloud.with_noise(self.noise(name)?).map_err(wrong),
             Some(NoiseSource::Estimated) | None => Ok(cloud),
+        }
+    }
+
+    /// The noise of these points as foreign queries, where the recipe gives them some.
+    pub(crate) fn query_noise<const D: usize>(&self, recipe: &Recipe) -> Result<Option<Noise<D>>, JobError> {
+        match (&recipe.query_noise_column, recipe.query_noise) {
+            (Some(name), _) => self.noise(name).map(Some),
+            (None, sigma) => Ok(sigma.map(Noise::Uniform)),
+        }
+    }
+
+    /// What is wrong with noise that belongs to this file.
+    pub(crate) fn noise_error(&self, problem: NoiseError) -> JobError {
+        JobError::Noise { path: self.path.clone(), problem }
+    }
+
+    /// Why there are no uncertainties of distances from these points.
+    pub(crate) fn uncertainty_error(&self, problem: UncertaintyError) -> JobError {
+        match problem {
+            UncertaintyError::QueryNoise(problem) => self.noise_error(problem),
+            other => other.into(),
         }
     }
 
@@ -223,6 +261,14 @@ pub(crate) fn surface_of_cloud<const D: usize>(
     Ok(surface)
 }
 
+/// Fails where coordinates are angles: distances, supports and normals would mean nothing.
+fn check_unit(input: &Input, path: &Path) -> Result<(), JobError> {
+    match input.table.frame.unit {
+        Some(Unit::Degree) => Err(JobError::Degrees(path.display().to_string())),
+        _ => Ok(()),
+    }
+}
+
 /// Leaves out columns by name, and the normals, whatever they are called, by `normals`.
 fn drop_columns(input: &mut Input, roles: &Roles, names: &[String]) {
     let table = &mut input.table;
@@ -255,5 +301,29 @@ impl Context<'_> {
             Some(_) => definition.with_support(Support::FromSamples),
             None => definition,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use footpoint_io::{Column, Data, Encoding, Frame, ReadReport, Table};
+
+    #[test]
+    fn degrees_are_no_lengths() {
+        let with = |unit| Input {
+            table: Table {
+                columns: vec![Column::new("x", Data::F64(vec![8.5]))],
+                frame: Frame { unit, ..Frame::default() },
+                ..Table::default()
+            },
+            format: Format::Ply(Encoding::Ascii),
+            report: ReadReport::default(),
+        };
+        for unit in [None, Some(Unit::Metre), Some(Unit::Foot), Some(Unit::UsSurveyFoot)] {
+            assert!(check_unit(&with(unit), Path::new("a.las")).is_ok(), "{unit:?}");
+        }
+        let error = check_unit(&with(Some(Unit::Degree)), Path::new("a.las")).unwrap_err().to_string();
+        assert!(error.starts_with("a.las: ") && error.contains("reproject"), "{error}");
     }
 }

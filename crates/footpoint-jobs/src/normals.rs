@@ -3,11 +3,11 @@
 use crate::clock::timed;
 use crate::evaluate::set_curvatures;
 use crate::load::Loaded;
-use crate::output::{Naming, merge, set_vectors};
+use crate::output::{Naming, merge, put_table, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Queries, Want};
-use footpoint_io::{Table, check_table, check_writable};
+use footpoint_io::{Table, check_writable};
 use std::path::Path;
 
 /// Which normal to write.
@@ -43,10 +43,7 @@ pub fn normals(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("normals", context.recipe.clone());
-    let mut loaded = Loaded::read(input, context, &mut report)?;
-    report.inputs.push(loaded.report());
-    loaded.drop_own_status();
-    check_table(output, &loaded.input.table)?;
+    let loaded = Loaded::read_for(output, input, context, &mut report)?;
     match loaded.roles.dimension() {
         2 => run::<2>(loaded, output, choice, context, report),
         _ => run::<3>(loaded, output, choice, context, report),
@@ -88,7 +85,6 @@ fn run<const D: usize>(
     computed.set(naming.status(&result.status));
     let mut table = loaded.input.table;
     merge(&mut table, &loaded.roles, computed);
-    timed(&mut report.times.write, || context.write(output, &table))?;
-    report.wrote(output);
+    put_table(output, &table, context, &mut report)?;
     Ok(report)
 }

@@ -2,11 +2,11 @@
 
 use crate::clock::timed;
 use crate::load::Loaded;
-use crate::output::{Naming, merge, oriented_normal, set_vectors};
+use crate::output::{Naming, merge, oriented_normal, put_table, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Component, NonOrientable, NormalSource, Orient, OrientError, Orientation, Verdict};
-use footpoint_io::{Table, check_table, check_writable};
+use footpoint_io::{Table, check_writable};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -73,10 +73,7 @@ pub fn orient(
 ) -> Result<Report, JobError> {
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("orient", context.recipe.clone());
-    let mut loaded = Loaded::read(input, context, &mut report)?;
-    report.inputs.push(loaded.report());
-    loaded.drop_own_status();
-    check_table(output, &loaded.input.table)?;
+    let loaded = Loaded::read_for(output, input, context, &mut report)?;
     match loaded.roles.dimension() {
         2 => run::<2>(loaded, output, plan, context, report),
         _ => run::<3>(loaded, output, plan, context, report),
@@ -112,8 +109,7 @@ fn run<const D: usize>(
     computed.set(Naming::of(output).status(&found.status));
     let mut table = loaded.input.table;
     merge(&mut table, &loaded.roles, computed);
-    timed(&mut report.times.write, || context.write(output, &table))?;
-    report.wrote(output);
+    put_table(output, &table, context, &mut report)?;
     Ok(report)
 }
 

@@ -1,16 +1,21 @@
-//! Names of the columns that jobs add, which depend on the format of the output.
+//! What jobs write: the names of the columns that they add, which depend on the format of the output, and the table itself.
 
+use crate::clock::timed;
+use crate::report::Report;
+use crate::{Context, JobError};
 use footpoint::Status;
 use footpoint_io::roles::Roles;
 use footpoint_io::{Column, Data, Table};
 use std::path::Path;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+/// Extensions of text files.
+const TEXT: [&str; 6] = ["xyz", "csv", "txt", "pts", "pwn", "xy"];
 
 /// How columns are named and statuses written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Naming {
-    /// PLY: `nx`, `frame_nx`, statuses as numbers.
+    /// PLY, LAS and all that is not text: `nx`, `frame_nx`, statuses as numbers.
     Ply,
     /// Text: `surface_normal_x`, `frame_normal_x`, statuses as words.
     Text,
@@ -19,8 +24,8 @@ pub(crate) enum Naming {
 impl Naming {
     pub(crate) fn of(output: &Path) -> Self {
         match output.extension() {
-            Some(extension) if extension.eq_ignore_ascii_case("ply") => Self::Ply,
-            _ => Self::Text,
+            Some(extension) if TEXT.iter().any(|text| extension.eq_ignore_ascii_case(text)) => Self::Text,
+            _ => Self::Ply,
         }
     }
 
@@ -40,6 +45,15 @@ impl Naming {
         }
     }
 
+    /// Of the surface normal at a foot point, in a file whose coordinates are not those of the foot point:
+    /// `foot_normal_x`, or `foot_nx`.
+    pub(crate) fn foot_normal(self, axis: usize) -> String {
+        match self {
+            Self::Ply => format!("foot_n{}", AXES[axis]),
+            Self::Text => format!("foot_normal_{}", AXES[axis]),
+        }
+    }
+
     pub(crate) fn status(self, statuses: &[Status]) -> Column {
         let data = match self {
             Self::Ply => Data::U8(statuses.iter().map(|&s| s as u8).collect()),
@@ -52,6 +66,18 @@ impl Naming {
 /// `nx`, in every format: the name that readers of given normals look for first.
 pub(crate) fn oriented_normal(axis: usize) -> String {
     Naming::Ply.surface_normal(axis)
+}
+
+/// Writes a job's table, and says so in its report.
+pub(crate) fn put_table(
+    output: &Path,
+    table: &Table,
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<(), JobError> {
+    timed(&mut report.times.write, || context.write(output, table))?;
+    report.wrote(output);
+    Ok(())
 }
 
 /// Drops the statuses that an earlier job wrote as words: this job writes its own, and PLY holds no words.

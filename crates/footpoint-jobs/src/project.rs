@@ -2,11 +2,12 @@
 
 use crate::clock::timed;
 use crate::load::Loaded;
-use crate::output::{Naming, merge, set_counts, set_numbers, set_vectors};
+use crate::numbers::Sorted;
+use crate::output::{Naming, merge, put_table, set_counts, set_numbers, set_vectors};
 use crate::report::{MovedReport, Report};
 use crate::{Context, JobError};
-use footpoint::{Noise, Project, Projections, Queries, Status, Uncertainty};
-use footpoint_io::{Table, check_table, check_writable};
+use footpoint::{Project, Projections, Queries, Uncertainty};
+use footpoint_io::{Table, check_writable};
 use std::path::Path;
 
 /// Projects every point of `input` onto the surface of `onto`, or onto its own.
@@ -22,10 +23,7 @@ pub fn project(
     check_writable(output, context.overwrite)?;
     let mut report = Report::new("project", context.recipe.clone());
     report.recipe.project.get_or_insert_default();
-    let mut points = Loaded::read(input, context, &mut report)?;
-    report.inputs.push(points.report());
-    points.drop_own_status();
-    check_table(output, &points.input.table)?;
+    let points = Loaded::read_for(output, input, context, &mut report)?;
     let onto = onto.map(|path| Loaded::read(path, context, &mut report)).transpose()?;
     if let Some(onto) = &onto {
         report.inputs.push(onto.report());
@@ -53,10 +51,11 @@ fn run<const D: usize>(
         (timed(&mut report.times.compute, || running.project(queries, &how))?, None)
     } else {
         let mut uncertainty = Uncertainty::new().with_project(how);
-        if let Some(sigma) = context.recipe.query_noise {
-            uncertainty = uncertainty.with_query_noise(Noise::Uniform(sigma));
+        if let Some(noise) = points.query_noise(&context.recipe)? {
+            uncertainty = uncertainty.with_query_noise(noise);
         }
-        let found = timed(&mut report.times.compute, || running.uncertainty(queries, &uncertainty))?;
+        let found = timed(&mut report.times.compute, || running.uncertainty(queries, &uncertainty))
+            .map_err(|problem| points.uncertainty_error(problem))?;
         (found.feet, Some((found.sigma, found.bias)))
     };
     report.count(&result.status);
@@ -71,8 +70,7 @@ fn run<const D: usize>(
         set_numbers(&mut computed, "distance_bias", bias);
     }
     merge(&mut table, &points.roles, computed);
-    timed(&mut report.times.write, || context.write(output, &table))?;
-    report.wrote(output);
+    put_table(output, &table, context, &mut report)?;
     Ok(report)
 }
 
@@ -94,25 +92,16 @@ pub(crate) fn projection_columns<const D: usize>(
 
 /// How far the points that are *ok* were moved.
 pub(crate) fn moved<const D: usize>(result: &Projections<D>) -> MovedReport {
-    let mut distances: Vec<f64> = result
-        .distance
-        .iter()
-        .zip(&result.status)
-        .filter(|(_, status)| **status == Status::Ok)
-        .map(|(distance, _)| distance.abs())
-        .collect();
+    let distances = Sorted::of(result.distance.iter().map(|distance| distance.abs()));
     let evaluations: f64 = result.evaluations.iter().map(|&e| f64::from(e)).sum();
     let mean_evaluations = evaluations / result.evaluations.len().max(1) as f64;
-    if distances.is_empty() {
+    if distances.count() == 0 {
         return MovedReport { mean_evaluations, ..MovedReport::default() };
     }
-    let squares: f64 = distances.iter().map(|d| d * d).sum();
-    let count = distances.len() as f64;
-    distances.sort_unstable_by(f64::total_cmp);
     MovedReport {
-        rms: (squares / count).sqrt(),
-        median: distances[distances.len() / 2],
-        largest: distances[distances.len() - 1],
+        rms: distances.rms(),
+        median: distances.quantile(0.5),
+        largest: distances.quantile(1.0),
         mean_evaluations,
     }
 }

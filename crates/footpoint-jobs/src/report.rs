@@ -2,6 +2,7 @@
 
 use crate::clock::Times;
 use crate::demo::DemoReport;
+use crate::distance::DistanceReport;
 use crate::info::InfoReport;
 use crate::orient::OrientationReport;
 use crate::render::RenderReport;
@@ -42,6 +43,9 @@ pub struct Report {
     /// How far `project` moved the points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moved: Option<MovedReport>,
+    /// What `distance` found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance: Option<DistanceReport>,
     /// How `orient` found the signs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<OrientationReport>,
@@ -83,6 +87,15 @@ pub struct Recipe {
     /// Noise of foreign points, a standard deviation in the unit of the files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub query_noise: Option<f64>,
+    /// Column of such noise, or of covariances as for [`NoiseSource::Column`]; it comes before `query_noise`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub query_noise_column: Option<String>,
+    /// Error of the registration of the queries with the cloud, a standard deviation in the unit of the files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub registration: Option<f64>,
+    /// Largest distance that counts as an answer, in the unit of the files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub largest_distance: Option<f64>,
     /// Operator and tolerance of a projection.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub project: Option<Project>,
@@ -194,6 +207,7 @@ impl Report {
             points: 0,
             statuses: Vec::new(),
             moved: None,
+            distance: None,
             orientation: None,
             render: None,
             info: None,

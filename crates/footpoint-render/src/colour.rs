@@ -62,7 +62,7 @@ impl Background {
 /// Which colours stand for numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub(crate) enum Map {
+pub enum Map {
     /// From dark to bright (viridis), for what has no middle.
     Sequential,
     /// Blue, pale, red, for what has a sign.
@@ -76,14 +76,14 @@ const STEPS: usize = 1024;
 
 /// A map made ready: a table of linear colours.
 #[derive(Clone, Debug)]
-pub(crate) struct Colours {
+pub struct Colours {
     table: Vec<Colour>,
     range: [f64; 2],
 }
 
 impl Colours {
     /// The colours of the numbers from `range[0]` to `range[1]`; those beyond have the colour of the end.
-    pub(crate) fn new(map: Map, range: [f64; 2]) -> Self {
+    pub fn new(map: Map, range: [f64; 2]) -> Self {
         let table = |gradient: &dyn Fn(f32) -> colorgrad::Color| {
             (0..STEPS)
                 .map(|i| {
@@ -110,6 +110,11 @@ impl Colours {
         // A range without width has one colour: 0/0 counts as its middle.
         let share = if share.is_nan() { 0.5 } else { share.clamp(0.0, 1.0) };
         self.table[(share * (STEPS - 1) as f64).round() as usize]
+    }
+
+    /// The colour of a number as bytes of sRGB, red green blue; purple, which no map has, for NaN.
+    pub fn bytes(&self, value: f64) -> [u8; 3] {
+        self.of(value).map(to_byte)
     }
 
     pub(crate) fn range(&self) -> [f64; 2] {

@@ -26,6 +26,7 @@ impl Verb {
                 ("orient", point_file([&a.input].into_iter().chain(&a.trajectory).collect(), &a.output))
             }
             Self::Project(a) => ("project", point_file(a.onto.iter().chain([&a.input]).collect(), &a.output)),
+            Self::Distance(a) => ("distance", point_file(vec![&a.to, &a.input], &a.output)),
             Self::Figure(a) => {
                 let plan = a.plan();
                 let reads = plan.input.iter().cloned().collect();

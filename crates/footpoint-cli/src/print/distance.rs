@@ -1,0 +1,66 @@
+//! Distances in words, with their histogram in bars.
+
+use super::short;
+use footpoint_jobs::{DistanceReport, Histogram};
+use std::fmt::{Result, Write};
+
+/// Characters of the longest bar.
+const WIDTH: f64 = 40.0;
+
+pub(super) fn describe(out: &mut String, found: &DistanceReport) -> Result {
+    let kind = if found.signed { "signed by the cloud's normals" } else { "without sign" };
+    writeln!(out, "distances, {kind}: {} points", found.answered)?;
+    if found.walked > 0 {
+        writeln!(out, "  {} of them beyond the projection, reached along the surface", found.walked)?;
+    }
+    if found.answered == 0 {
+        return Ok(());
+    }
+    let [mean, rms, deviation] = [found.mean, found.rms, found.standard_deviation].map(short);
+    writeln!(out, "  mean {mean}, rms {rms}, standard deviation {deviation}")?;
+    write!(out, "  median {}", short(found.median))?;
+    if found.signed {
+        write!(out, ", of magnitudes {}", short(found.median_magnitude))?;
+    }
+    writeln!(out, ", from {} to {}", short(found.smallest), short(found.largest))?;
+    let quantiles: Vec<String> =
+        found.quantiles.iter().map(|q| format!("{} % {}", q.percent, short(q.value))).collect();
+    writeln!(out, "  quantiles: {}", quantiles.join(", "))?;
+    writeln!(out, "  bias from curvature {} (mean; not taken off)", short(found.mean_bias))?;
+    if let (Some(sigma), Some(share)) = (found.median_sigma, found.share_beyond_two_sigma) {
+        writeln!(out, "  sigma {} (median); {:.2} % beyond 2 sigma", short(sigma), 100.0 * share)?;
+    }
+    bars(out, &found.histogram)?;
+    if let Some([low, high]) = found.colour_range {
+        writeln!(out, "colours from {} to {}", short(low), short(high))?;
+    }
+    Ok(())
+}
+
+fn bars(out: &mut String, histogram: &Histogram) -> Result {
+    let most = histogram.counts.iter().copied().max().unwrap_or(0).max(1);
+    let step = (histogram.high - histogram.low) / histogram.counts.len().max(1) as f64;
+    let middles: Vec<String> = (0..histogram.counts.len())
+        .map(|i| {
+            let middle = histogram.low + (i as f64 + 0.5) * step;
+            // The bar around 0 has only rounding there.
+            format!("{:.3e}", if middle.abs() < 1e-9 * step { 0.0 } else { middle })
+        })
+        .collect();
+    let column = middles.iter().map(String::len).max().unwrap_or(0);
+    let digits = most.max(histogram.below).max(histogram.above).to_string().len();
+    let mut line = |name: &str, count: usize, bar: usize| {
+        let text = format!("  {name:>column$} {count:>digits$} {}", "█".repeat(bar));
+        writeln!(out, "{}", text.trim_end())
+    };
+    if histogram.below > 0 {
+        line("below", histogram.below, 0)?;
+    }
+    for (middle, &count) in middles.iter().zip(&histogram.counts) {
+        line(middle, count, (WIDTH * count as f64 / most as f64).round() as usize)?;
+    }
+    if histogram.above > 0 {
+        line("above", histogram.above, 0)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,263 @@
+//! From the foot points of samples near far queries along the surface to their foot points.
+//!
+//! The projection of a query ends where no sample is near. A foot point is also where the distance to the query is least along
+//! the surface: so a walk starts at the nearest of the samples' own foot points, takes steps along the part of the way to the query
+//! that lies in the tangent plane, and has every step projected onto the surface. Steps have Barzilai and Borwein's length, and
+//! none may lead further away.
+
+use footpoint::{Cancelled, Progress, Project, Queries, Run, Status, Surface, Want};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::cmp::Ordering;
+use std::num::NonZero;
+
+/// Walks start at the foot of this rank, 1 the nearest; the next is tried where a walk is lost: noisy surfaces have holes.
+const RANKS: [NonZero<usize>; 3] = [
+    NonZero::<usize>::MIN,
+    NonZero::<usize>::MIN.saturating_add(7),
+    NonZero::<usize>::MIN.saturating_add(31),
+];
+/// Longest step, in supports: so far the projection finds the way back.
+const LONGEST: f64 = 0.25;
+/// Where not even such a step, in supports, ends on the surface, it has an end there.
+const SHORTEST: f64 = 1e-2;
+/// Evaluations for a step to come back to the surface: many where it does, few where it never will.
+const MOST_EVALUATIONS: u32 = 100;
+/// Steps a walk may take.
+const ROUNDS: usize = 200;
+
+/// Where a walk ended: a foot point, or why there is none.
+pub(super) type End<const D: usize> = Result<Foot<D>, Status>;
+
+/// A foot point that was walked to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot<const D: usize> {
+    /// On the surface.
+    pub(super) point: [f64; D],
+    /// h there.
+    pub(super) support: f64,
+}
+
+/// Walks to the foot point of each query from the nearest of the samples' own; *outside* where that is farther than `largest`
+/// and a support.
+pub(super) fn walk<const D: usize>(
+    surface: &Surface<D>,
+    queries: &[[f64; D]],
+    (how, largest): (&Project, f64),
+    run: &Run<'_>,
+) -> Result<Vec<End<D>>, Cancelled> {
+    let starts = Starts::of(surface, how, run)?;
+    let limit = largest + surface.support().largest;
+    let mut ends: Vec<End<D>> = vec![Err(Status::Outside); queries.len()];
+    for (attempt, rank) in RANKS.into_iter().enumerate() {
+        let lost = |end: &End<D>| attempt == 0 || matches!(end, Err(status) if *status != Status::Outside);
+        let rows: Vec<usize> = (0..queries.len()).filter(|&row| lost(&ends[row])).collect();
+        let points: Vec<[f64; D]> = rows.iter().map(|&row| queries[row]).collect();
+        let mut walkers = starts.walkers(surface, &points, (how, rank, limit), run)?;
+        iterate(surface, &mut walkers, how, run)?;
+        for (walker, row) in walkers.iter().zip(rows) {
+            // The first reason stands.
+            if attempt == 0 || walker.end == Some(Status::Ok) {
+                ends[row] = walker.arrival();
+            }
+        }
+    }
+    Ok(ends)
+}
+
+/// Takes steps until every walk has ended, or for so many rounds.
+fn iterate<const D: usize>(
+    surface: &Surface<D>,
+    walkers: &mut [Walker<D>],
+    how: &Project,
+    run: &Run<'_>,
+) -> Result<(), Cancelled> {
+    let quiet = run.silent();
+    let back = how.with_most_evaluations(MOST_EVALUATIONS);
+    for _ in 0..ROUNDS {
+        let under_way: Vec<usize> = (0..walkers.len()).filter(|&i| walkers[i].end.is_none()).collect();
+        run.announce(Progress { done: walkers.len() - under_way.len(), total: walkers.len() });
+        if under_way.is_empty() {
+            break;
+        }
+        let trials: Vec<[f64; D]> = under_way.iter().map(|&i| walkers[i].trial()).collect();
+        let landed = surface.with(&quiet).project(Queries::Points(&trials), &back)?;
+        for (k, &i) in under_way.iter().enumerate() {
+            walkers[i].advance(landed.status[k], (landed.point[k], landed.surface_normal[k]), how);
+        }
+    }
+    Ok(())
+}
+
+/// One walk: a query, and the point of the surface that it has come to.
+#[derive(Clone, Copy)]
+struct Walker<const D: usize> {
+    query: [f64; D],
+    foot: [f64; D],
+    /// Unit normal of the surface at the foot.
+    normal: [f64; D],
+    /// h there.
+    support: f64,
+    /// The next step as a share of the way to the query in the tangent plane.
+    share: f64,
+    end: Option<Status>,
+}
+
+impl<const D: usize> Walker<D> {
+    fn ended(status: Status) -> Self {
+        let nowhere = [f64::NAN; D];
+        Self {
+            query: nowhere,
+            foot: nowhere,
+            normal: nowhere,
+            support: f64::NAN,
+            share: 0.0,
+            end: Some(status),
+        }
+    }
+
+    fn at(query: [f64; D], (foot, normal): ([f64; D], [f64; D]), support: f64, how: &Project) -> Self {
+        let longest = LONGEST * support;
+        // As far as a point goes that takes such a step straight to the query.
+        let share = longest / distance(query, foot).max(longest);
+        let mut walker = Self { query, foot, normal, support, share, end: None };
+        walker.settle(how);
+        walker
+    }
+
+    /// The way to the query in the tangent plane.
+    fn tangent(&self) -> [f64; D] {
+        let away = sub(self.query, self.foot);
+        let across = dot(away, self.normal);
+        std::array::from_fn(|k| away[k] - across * self.normal[k])
+    }
+
+    /// Ends the walk where the query stands upright over the foot.
+    fn settle(&mut self, how: &Project) {
+        let tangent = self.tangent();
+        let reach = self.support + distance(self.query, self.foot);
+        // The normal turns with the foot: what that is uncertain by, over a support, is an angle.
+        if dot(tangent, tangent).sqrt() <= 2.0 * self.precision(how) * reach {
+            self.end = Some(Status::Ok);
+        }
+    }
+
+    fn arrival(&self) -> End<D> {
+        match self.end.unwrap_or(Status::NotConverged) {
+            Status::Ok => Ok(Foot { point: self.foot, support: self.support }),
+            status => Err(status),
+        }
+    }
+
+    /// How well the foot is known, in supports: by the tolerance, and the rounding of its coordinates.
+    fn precision(&self, how: &Project) -> f64 {
+        let largest = self.foot.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        how.tolerance() + 2.0 * f64::EPSILON * largest / self.support
+    }
+
+    /// Where the next step ends, beside the surface.
+    fn trial(&self) -> [f64; D] {
+        let tangent = self.tangent();
+        let share = self.share.min(LONGEST * self.support / dot(tangent, tangent).sqrt());
+        std::array::from_fn(|k| self.foot[k] + share * tangent[k])
+    }
+
+    /// Takes in what the projection made of the trial.
+    fn advance(&mut self, status: Status, (foot, normal): ([f64; D], [f64; D]), how: &Project) {
+        let (tangent, before) = (self.tangent(), distance(self.query, self.foot));
+        let slack = 4.0 * self.precision(how) * self.support;
+        // Not so for NaN.
+        if status.is_ok() && distance(self.query, foot) <= before + slack {
+            let step = sub(foot, self.foot);
+            (self.foot, self.normal) = (foot, normal);
+            let turned = dot(step, sub(tangent, self.tangent()));
+            let share = dot(step, step) / turned;
+            self.share = if turned > 0.0 { share.clamp(1e-6, 10.0) } else { (2.0 * self.share).min(10.0) };
+            return self.settle(how);
+        }
+        let length = dot(tangent, tangent).sqrt();
+        self.share = 0.25 * self.share.min(LONGEST * self.support / length);
+        let shortest = if status.is_ok() { self.precision(how).min(SHORTEST) } else { SHORTEST };
+        if self.share * length < shortest * self.support {
+            self.end = Some(match status {
+                Status::Ok => Status::NotConverged,
+                // The surface ends with the samples: this is the rim.
+                Status::Outside | Status::Degenerate => Status::Boundary,
+                status => status,
+            });
+        }
+    }
+}
+
+/// Where walks start: the samples' own foot points.
+struct Starts<const D: usize> {
+    feet: Vec<[f64; D]>,
+    normals: Vec<[f64; D]>,
+    /// Over the feet in `unit`s of a support, whose squares stay in range whatever the unit of the file.
+    tree: Option<ImmutableKdTree<f64, D>>,
+    unit: f64,
+}
+
+impl<const D: usize> Starts<D> {
+    fn of(surface: &Surface<D>, how: &Project, run: &Run<'_>) -> Result<Self, Cancelled> {
+        let found = surface.with(run).project(Queries::Samples, how)?;
+        let ok = |row: &usize| found.status[*row].is_ok();
+        let mut rows: Vec<usize> = (0..found.status.len()).filter(ok).collect();
+        // In the order of their coordinates, so that answers depend on no other, and each once.
+        let point = |row: usize| found.point[row];
+        rows.sort_unstable_by(|&a, &b| {
+            let axes = point(a).into_iter().zip(point(b)).map(|(a, b)| a.total_cmp(&b));
+            axes.fold(Ordering::Equal, Ordering::then)
+        });
+        rows.dedup_by(|a, b| point(*a) == point(*b));
+        let feet: Vec<[f64; D]> = rows.iter().map(|&row| found.point[row]).collect();
+        let normals = rows.iter().map(|&row| found.surface_normal[row]).collect();
+        let unit = surface.support().median;
+        let scaled: Vec<[f64; D]> = feet.iter().map(|foot| foot.map(|c| c / unit)).collect();
+        Ok(Self { tree: ImmutableKdTree::new_from_slice(&scaled).ok(), feet, normals, unit })
+    }
+
+    /// The foot of this rank among those near a location: 1 is the nearest. The last there is where there are fewer.
+    fn near(&self, at: [f64; D], rank: NonZero<usize>) -> Option<usize> {
+        let at = at.map(|c| c / self.unit);
+        let found = self.tree.as_ref()?.query(&at).nearest_n::<SquaredEuclidean<f64>>(rank).execute();
+        found.last().map(|item| item.item as usize)
+    }
+
+    /// Walkers at their starts; *outside* for queries without one nearer than `limit`.
+    fn walkers(
+        &self,
+        surface: &Surface<D>,
+        queries: &[[f64; D]],
+        (how, rank, limit): (&Project, NonZero<usize>, f64),
+        run: &Run<'_>,
+    ) -> Result<Vec<Walker<D>>, Cancelled> {
+        let near: Vec<Option<usize>> = queries.iter().map(|&at| self.near(at, rank)).collect();
+        let feet: Vec<[f64; D]> = near.iter().flatten().map(|&i| self.feet[i]).collect();
+        let quiet = run.silent();
+        let mut supports =
+            surface.with(&quiet).evaluate(Queries::Points(&feet), Want::SUPPORT)?.support.into_iter();
+        let start = |(&query, near): (&[f64; D], &Option<usize>)| {
+            let found = near.and_then(|i| Some((self.feet[i], self.normals[i], supports.next()?)));
+            match found {
+                Some((foot, normal, support)) if distance(query, foot) <= limit => {
+                    Walker::at(query, (foot, normal), support, how)
+                }
+                _ => Walker::ended(Status::Outside),
+            }
+        };
+        Ok(queries.iter().zip(&near).map(start).collect())
+    }
+}
+
+pub(super) fn sub<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn dot<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|k| a[k] * b[k]).sum()
+}
+
+pub(super) fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    let way = sub(a, b);
+    dot(way, way).sqrt()
+}
