@@ -6,7 +6,8 @@
 //!
 //! Reading: PLY (ascii, little and big endian), text (`xyz csv txt pts pwn xy`, with or without a header),
 //! OBJ, PTX and NumPy arrays (`npy`), each also gzipped, and NumPy archives (`npz`). Writing: the same formats
-//! but PTX, uncompressed, never half a file.
+//! but PTX, uncompressed, never half a file. Packed files are unpacked to 256 MiB in any case, and beyond that
+//! to a hundred times their size, which points do not reach: a small file cannot fill the memory.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
