@@ -116,7 +116,7 @@ fn check_fields(file: &str, entry: &Value, input: &Input) {
         let words: Vec<&str> = property.as_str().unwrap().split(' ').collect();
         match words.as_slice() {
             ["property", "list", _, _, name] => {
-                assert!(input.report.skipped_lists.iter().any(|list| list == name), "{file}")
+                assert!(input.report.skipped_lists.iter().any(|list| list == name), "{file}");
             }
             ["property", kind, name] => {
                 let column = columns.next().unwrap();
