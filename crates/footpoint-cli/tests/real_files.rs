@@ -59,19 +59,6 @@ const FILES: [Bounds; 28] = [
     of("2d/stair-noise00.xy", 0.999, 0.98),
 ];
 
-/// Puts the file into the folder; OBJ, which is not read yet, as its vertices in text.
-fn place(folder: &Folder, path: &Path) -> String {
-    if path.extension().is_none_or(|e| e != "obj") {
-        return folder.copy(path);
-    }
-    let text = std::fs::read_to_string(path).unwrap();
-    let vertices = text.lines().filter_map(|line| line.strip_prefix("v "));
-    let rows: Vec<String> =
-        vertices.map(|v| v.split_whitespace().take(3).collect::<Vec<_>>().join(" ")).collect();
-    folder.write("vertices.txt", "x y z\n".to_owned() + &rows.join("\n") + "\n");
-    "vertices.txt".to_owned()
-}
-
 fn same(a: &Data, b: &Data) -> bool {
     let bits = |data: &Data| data.to_f64().map(|v| common::bits(&v));
     std::mem::discriminant(a) == std::mem::discriminant(b) && bits(a) == bits(b)
@@ -138,7 +125,7 @@ fn check(data: &Path, manifest: &Value, bounds: &Bounds) {
     let entries = manifest["files"].as_array().unwrap();
     let entry = entries.iter().find(|entry| entry["file"] == file).unwrap();
     let folder = Folder::new();
-    let name = place(&folder, &data.join(file));
+    let name = folder.copy(&data.join(file));
     let input = folder.table(&name);
     let roles = Roles::find(&input).unwrap();
 

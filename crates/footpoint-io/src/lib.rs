@@ -8,7 +8,8 @@
 //! xy`, with or without a header), OBJ, PTX and NumPy arrays (`npy`), each also gzipped; LAS 1.0 to 1.4, LAZ
 //! and COPC; E57 (all scans, in their common frame); NumPy archives (`npz`). Writing: the same formats but
 //! COPC and PTX, not gzipped, never half a file. Points that an E57 file calls invalid stay as rows, with
-//! coordinates that are no numbers.
+//! coordinates that are no numbers. Packed files are unpacked to 256 MiB in any case, and beyond that to a hundred
+//! times their size, which points do not reach: a small file cannot fill the memory.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -191,7 +191,9 @@ impl<'w> Source<'w> {
         self.until_told = TOLD;
         // Of a gzipped file, what is known is how much of the packed bytes have been read.
         let done = self.passed.load(Ordering::Relaxed);
-        if watch.at(done, self.size.unwrap_or(done)).is_continue() {
+        let all = self.size.unwrap_or(done);
+        // The directory of an archive is read besides its parts.
+        if watch.at(done.min(all), all).is_continue() {
             return Ok(());
         }
         self.stopped = true;

@@ -46,7 +46,7 @@ fn stored(files: &[(&str, Vec<u8>)]) -> Vec<u8> {
 
 #[test]
 fn widths_decide_the_names() {
-    let values: Vec<f32> = (0..14).map(|i| i as f32).collect();
+    let values: Vec<f32> = (0..14).map(|i| i as f32 + 0.5).collect();
     for (width, wanted) in
         [(1, "column_1"), (2, "x y"), (3, "x y z"), (5, "x y z column_4 column_5"), (6, "x y z nx ny nz")]
     {
@@ -55,7 +55,7 @@ fn widths_decide_the_names() {
         assert_eq!(names(&input.table).join(" "), wanted);
         assert_eq!(
             input.table.columns[width - 1].data,
-            Data::F32(vec![width as f32 - 1.0, 2.0 * width as f32 - 1.0])
+            Data::F32(vec![width as f32 - 0.5, 2.0 * width as f32 - 0.5])
         );
     }
 }
@@ -232,15 +232,25 @@ fn a_wrong_checksum_is_refused() {
 
 #[test]
 fn an_archive_that_unpacks_without_end_is_refused() {
-    let rows = 300 << 20;
-    let header = npy("'|u1'", false, &format!("({rows}, 1)"), &[]);
-    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    archive
-        .start_file("a.npy", SimpleFileOptions::default().compression_method(CompressionMethod::Deflated))
-        .unwrap();
-    archive.write_all(&header).unwrap();
+    let mebibytes = 160;
+    let header = npy("'|u1'", false, &format!("({},)", mebibytes << 20), &[]);
     let zeros = vec![0; 1 << 20];
-    (0..300).for_each(|_| archive.write_all(&zeros).unwrap());
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    // Each alone would be let through.
+    for name in ["a.npy", "b.npy"] {
+        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+        archive.start_file(name, options.compression_level(Some(1))).unwrap();
+        archive.write_all(&header).unwrap();
+        (0..mebibytes).for_each(|_| archive.write_all(&zeros).unwrap());
+    }
     let message = refusal("a.npz", archive.finish().unwrap().into_inner());
-    assert!(message.contains("array `a`: cannot read") && message.contains("over 100 times"), "{message}");
+    assert!(message.contains("array `b`: cannot read") && message.contains("over 100 times"), "{message}");
+}
+
+#[test]
+fn six_columns_of_bytes_are_colours() {
+    let values = [0.0, 1.0, 2.0, 255.0, 7.0, 0.0, 3.0, 4.0, 5.0, 0.0, 1.0, 1.0];
+    let input = parse("a.npy", npy("'<f4'", false, "(2, 6)", &f4(&values)));
+    assert_eq!(names(&input.table), ["x", "y", "z", "red", "green", "blue"]);
+    assert_eq!(input.report.notes, ["no names: columns taken by position as x y z red green blue"]);
 }

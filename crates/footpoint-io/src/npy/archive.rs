@@ -9,7 +9,7 @@ use zip::ZipArchive;
 
 use super::header::Header;
 use super::layout::{Layout, Names};
-use super::{NpyError, read_columns};
+use super::{NpyError, name_by_position, read_columns};
 use crate::source::{Counted, Source, Unpacked};
 use crate::{ReadProblem, ReadReport, Table, Watch};
 
@@ -86,7 +86,9 @@ impl Arrays {
                 return Err(NpyError::Duplicate { name: field.name.clone() });
             }
         }
-        self.table.columns.extend(read_columns(source, &layout)?);
+        let mut columns = read_columns(source, &layout)?;
+        self.report.notes.extend(name_by_position(&layout, &mut columns));
+        self.table.columns.append(&mut columns);
         self.unpacked += layout.rows.saturating_mul(layout.stride * layout.runs);
         // The archive's checksum is compared at the end.
         if !source.at_end()? {

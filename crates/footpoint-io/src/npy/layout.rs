@@ -19,6 +19,8 @@ pub(super) struct Layout {
     /// 1, or in Fortran's order the number of fields, whose columns then follow each other.
     pub(super) runs: u64,
     pub(super) fields: Vec<Field>,
+    /// Whether nothing but their places names the columns.
+    pub(super) by_position: bool,
     /// The shape, if rows were laid out in more than one dimension.
     grid: Option<Vec<u64>>,
 }
@@ -89,7 +91,8 @@ impl Layout {
         if runs > 1 {
             fields.list.iter_mut().for_each(|field| field.offset = 0);
         }
-        Ok(Self { rows: lengths.iter().product(), stride, runs, fields: fields.list, grid })
+        let by_position = width.is_some() && matches!(names, Names::ByPosition);
+        Ok(Self { rows: lengths.iter().product(), stride, runs, fields: fields.list, by_position, grid })
     }
 
     /// What the columns do not show of the array.

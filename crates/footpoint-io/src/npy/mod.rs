@@ -9,6 +9,7 @@ mod layout;
 
 use crate::rows::append;
 use crate::source::Source;
+use crate::text::recognise_colours;
 use crate::{Column, Data, ReadReport, Table};
 pub use error::NpyError;
 use header::Header;
@@ -30,13 +31,24 @@ pub(crate) fn is_npy(head: &[u8]) -> bool {
 pub(crate) fn read(source: &mut Source<'_>) -> Result<(Table, ReadReport), NpyError> {
     let header = Header::read(source)?;
     let layout = Layout::new(&header, Names::ByPosition)?;
-    let columns = read_columns(source, &layout)?;
+    let mut columns = read_columns(source, &layout)?;
     let mut report = ReadReport::default();
     report.notes.extend(layout.note());
+    report.notes.extend(name_by_position(&layout, &mut columns));
     if !source.at_end()? {
         report.notes.push("data behind the array were not read".to_owned());
     }
     Ok((Table { columns, ..Table::default() }, report))
+}
+
+/// Takes columns for colours rather than normals by their values, and says so where names are a guess.
+fn name_by_position(layout: &Layout, columns: &mut [Column]) -> Option<String> {
+    if !layout.by_position || matches!(columns.len(), 2 | 3) {
+        return None;
+    }
+    recognise_colours(columns);
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    Some(format!("no names: columns taken by position as {}", names.join(" ")))
 }
 
 /// Reads the rows of an array whose header has been read.

@@ -20,6 +20,8 @@ pub(crate) fn by_position(columns: usize) -> Vec<String> {
     names::by_position(columns, TextKind::Txt)
 }
 
+pub(crate) use names::recognise_colours;
+
 /// Reads all rows; `kind` decides the names of columns that no header names.
 pub(crate) fn read(
     source: &mut Source<'_>,
@@ -192,7 +194,7 @@ impl Reader {
             report.notes.push(format!("PTS count says {count}, file has {rows} rows"));
         }
         if body.positional {
-            names::recognise_colours(&mut body.columns);
+            recognise_colours(&mut body.columns);
             let names: Vec<&str> = body.columns.iter().map(|column| column.name.as_str()).collect();
             report.notes.push(format!("no header: columns taken by position as {}", names.join(" ")));
         }

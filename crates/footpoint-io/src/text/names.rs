@@ -67,20 +67,39 @@ pub(super) fn by_position(columns: usize, kind: TextKind) -> Vec<String> {
 
 /// Renames columns taken for normals by position if they hold colours: whole numbers from 0 to 255, not
 /// all of them 0 or 1.
-pub(super) fn recognise_colours(columns: &mut [Column]) {
+pub(crate) fn recognise_colours(columns: &mut [Column]) {
     let [_, _, _, normals @ ..] = columns else { return };
     if !normals.iter().map(|column| column.name.as_str()).eq(["nx", "ny", "nz"]) {
         return;
     }
-    let values = || {
-        normals.iter().flat_map(|column| match &column.data {
-            Data::F64(values) => values.as_slice(),
-            _ => &[],
-        })
-    };
-    if values().all(|v| v.trunc() == *v && (0.0..=255.0).contains(v)) && values().any(|v| *v > 1.0) {
+    let kinds: Option<Vec<Level>> = normals.iter().map(|column| Level::of(&column.data)).collect();
+    if kinds.is_some_and(|kinds| kinds.contains(&Level::Byte)) {
         for (column, name) in normals.iter_mut().zip(["red", "green", "blue"]) {
             column.name = name.to_owned();
+        }
+    }
+}
+
+/// What whole numbers from 0 to 255 can be.
+#[derive(PartialEq)]
+enum Level {
+    /// A component of an axis, or a dark colour.
+    Bit,
+    /// More than 1: a colour.
+    Byte,
+}
+
+impl Level {
+    /// The level of a column; `None` if it has any other number.
+    fn of(data: &Data) -> Option<Self> {
+        fn level(values: impl Iterator<Item = f64> + Clone) -> Option<Level> {
+            let whole = values.clone().all(|v| v.trunc() == v && (0.0..=255.0).contains(&v));
+            whole.then(|| if values.clone().any(|v| v > 1.0) { Level::Byte } else { Level::Bit })
+        }
+        match data {
+            Data::F64(values) => level(values.iter().copied()),
+            Data::F32(values) => level(values.iter().copied().map(f64::from)),
+            others => level(others.to_f64()?.iter().copied()),
         }
     }
 }

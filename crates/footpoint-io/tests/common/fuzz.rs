@@ -1,7 +1,9 @@
 //! Fuzz targets for readers: good files damaged in ways that generators and fuzzers find.
 //!
-//! A target is a test of one line: `check!().with_type::<Damage>().for_each(|d| target.survives(d))` on a
-//! `Target` of good files. The damage is read from the generator, so that a fuzzer that sees coverage can steer it.
+//! A target is a test that ends in `check!().with_type::<Damage>().for_each(|d| target.survives(d))` on a
+//! [`Target`] of a few small good files, one for each branch of the reader; `fuzz_numpy.rs` is an example. The
+//! files go through the file system, as readers seek and look at names. What is done to them comes from the
+//! generator alone, so that a fuzzer that sees coverage can steer it, and a seed gives the same again.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
