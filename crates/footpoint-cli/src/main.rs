@@ -106,9 +106,13 @@ fn finish(verb: &Verb, report: &Report) -> Result<ExitCode, String> {
         (String::new(), words(common.verbosity()))
     };
     let allowed = common.strict.unwrap_or(f64::INFINITY) * report.points as f64;
-    let strict = report.not_ok() as f64 > allowed;
+    let mut strict = report.not_ok() as f64 > allowed;
     if strict {
         messages += &format!("strict: {} of {} points are not ok\n", report.not_ok(), report.points);
+    }
+    for input in report.inputs.iter().filter(|input| input.missing_points > 0 && common.strict.is_some()) {
+        strict = true;
+        messages += &format!("strict: {}: {} points are missing\n", input.path, input.missing_points);
     }
     print_out(&results)?;
     // The result stands in the file even if nobody reads the messages.

@@ -26,6 +26,8 @@ impl Verbosity {
 const MANY: f64 = 0.05;
 /// A median gap below this is too.
 const POOR_GAP: f64 = 0.2;
+/// Characters of a reference system.
+const LONGEST_CRS: usize = 60;
 const HINT: &str = "hint: many frames are poorly determined: a wider support averages more noise (--auto 40), \
     one per sample suits uneven density (--per-sample 16)";
 
@@ -48,6 +50,18 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
                 "  {} points are not finite and keep their place without an answer",
                 input.not_finite
             )?;
+        }
+        if input.missing_points > 0 {
+            writeln!(out, "  {} points that the file states are not in it", input.missing_points)?;
+        }
+        if let Some(crs) = &input.crs {
+            // Well-known text begins with what it is.
+            let name: String = crs.chars().take(LONGEST_CRS).collect();
+            let more = if name.len() < crs.len() { " …" } else { "" };
+            writeln!(out, "  reference system {name}{more}")?;
+        }
+        if let Some(unit) = input.unit {
+            writeln!(out, "  unit of coordinates: {}", unit.replace('_', " "))?;
         }
         if input.unusable_normals > 0 {
             writeln!(out, "  {} normals are zero or not finite and count as absent", input.unusable_normals)?;

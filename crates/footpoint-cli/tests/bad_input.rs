@@ -222,43 +222,54 @@ fn a_folder_that_is_write_protected() {
     std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o755)).unwrap();
 }
 
-/// Files of the shared folder that are odd but usable: at least one point gets a row.
-const USABLE: [&str; 1] = ["pdal_missingheader.txt"];
-/// A good OBJ file in spite of its name: three points, too few for a surface.
-const GOOD: &str = "pdal_simple_binary.obj";
+/// Broken files of the shared folder that give no points at all, and what is said of them.
+const REFUSED: [(&str, &str); 9] = [
+    ("cut.laz", "the table of packed chunks"),
+    ("cut.e57", "cut"),
+    ("corrupt_crc.e57", ""),
+    ("rs_corrupt_compressed.pcd", ""),
+    ("cut_binary_be.ply", "want"),
+    ("huge_count.ply", "want"),
+    ("unknown_type.ply", ""),
+    ("pdal_no_vertex.obj", ""),
+    ("pdal_badheader.txt", ""),
+];
 
 #[test]
-fn malformed_files_and_formats_to_come() {
+fn malformed_files_are_refused_by_name_or_read_with_a_note() {
     let Some(data) = shared("data/malformed") else { return };
-    let mut seen = 0;
+    let (mut refused, mut read) = (Vec::new(), 0);
     let mut entries: Vec<_> = std::fs::read_dir(data).unwrap().map(|e| e.unwrap().path()).collect();
     entries.sort();
     for path in entries {
         let folder = folder();
         let name = folder.copy(&path);
-        let kind = path.extension().unwrap().to_str().unwrap();
-        let words = format!("normals {name} -o out.csv");
-        seen += 1;
-        if USABLE.contains(&name.as_str()) {
-            assert!(folder.done(&words).stderr.contains("note: no header"), "{name}");
-            continue;
+        let ran = folder.run(&format!("info {name}"));
+        if ran.code == 2 {
+            assert!(ran.stdout.is_empty() && ran.stderr.contains(&name), "{name}: {ran:?}");
+            refuse(&folder, &format!("normals {name} -o out.csv"), &[&name]);
+            refuse(&folder, &format!("evaluate sphere.csv --at {name} -o out.csv"), &[&name]);
+            refused.push((name, ran.stderr));
+        } else {
+            assert_eq!(ran.code, 0, "{name}: {ran:?}");
+            read += 1;
         }
-        if name == GOOD {
-            assert!(folder.done(&format!("info {name}")).stdout.contains('3'), "{name}");
-            continue;
-        }
-        let wanted = match kind {
-            "laz" if name.starts_with("cut.") => "the table of packed chunks",
-            // Read as far as they go; the tests of footpoint-io tell how far.
-            "las" | "laz" => continue,
-            "e57" => "E57 files are not supported yet",
-            "pcd" => "PCD files are not supported yet",
-            "obj" => "no line `v x y z`, so no points",
-            _ => "",
-        };
-        refuse(&folder, &words, &[&name, wanted]);
-        refuse(&folder, &format!("info {name}"), &[&name, wanted]);
-        refuse(&folder, &format!("evaluate sphere.csv --at {name} -o out.csv"), &[&name, wanted]);
     }
-    assert!(seen > 30, "{seen}");
+    assert!(refused.len() >= REFUSED.len() && read > 0, "{} refused, {read} read", refused.len());
+    for (name, words) in REFUSED {
+        let found = refused.iter().find(|(file, _)| file == name);
+        assert!(found.is_some_and(|(_, said)| said.contains(words)), "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn points_that_a_file_states_and_does_not_hold_are_told_and_are_not_strict() {
+    let folder = Folder::new();
+    folder.write("cut.pts", "4\n0 0 0\n1 0 0\n0 1 0\n");
+    let ran = folder.run("info cut.pts");
+    assert_eq!(ran.code, 0);
+    assert!(ran.stdout.contains("1 points that the file states are not in it"), "{}", ran.stdout);
+    let strict = folder.run("info cut.pts --strict=100%");
+    assert_eq!(strict.code, 1, "{strict:?}");
+    assert!(strict.stderr.contains("strict: cut.pts: 1 points are missing"), "{strict:?}");
 }

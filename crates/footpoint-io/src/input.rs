@@ -32,6 +32,9 @@ pub struct ReadReport {
     pub other_elements: Vec<OtherElement>,
     /// List properties of the element `vertex`, which a table cannot hold.
     pub skipped_lists: Vec<String>,
+    /// The number of points that the file states, where that is not what bounds the reading: LAS, PCD, PTS. It has another
+    /// number of rows where it is damaged.
+    pub stated_rows: Option<u64>,
     /// Guesses and doubts, each one sentence for the user.
     pub notes: Vec<String>,
 }

@@ -112,6 +112,9 @@ impl Loaded {
                 Format::Npz => "npz",
             },
             points: table.rows(),
+            missing_points: self.missing_points(),
+            crs: table.frame.crs.clone(),
+            unit: table.frame.unit.map(unit_name),
             dimension: self.roles.dimension(),
             not_finite: rows(&coordinates, &not_finite),
             normals: !normals.is_empty(),
@@ -126,6 +129,12 @@ impl Loaded {
             2 => self.cloud::<2>(recipe).map(drop),
             _ => self.cloud::<3>(recipe).map(drop),
         }
+    }
+
+    /// Points that the file states and does not hold.
+    fn missing_points(&self) -> u64 {
+        let rows = self.input.table.rows() as u64;
+        self.input.report.stated_rows.map_or(0, |stated| stated.saturating_sub(rows))
     }
 
     /// The cloud with the columns that the recipe asks for.
@@ -325,5 +334,15 @@ mod tests {
         }
         let error = check_unit(&with(Some(Unit::Degree)), Path::new("a.las")).unwrap_err().to_string();
         assert!(error.starts_with("a.las: ") && error.contains("reproject"), "{error}");
+    }
+}
+
+fn unit_name(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Metre => "metre",
+        Unit::Foot => "foot",
+        Unit::UsSurveyFoot => "us_survey_foot",
+        Unit::Degree => "degree",
+        _ => "other",
     }
 }

@@ -75,9 +75,20 @@ pub(crate) fn put_table(
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), JobError> {
-    timed(&mut report.times.write, || context.write(output, table))?;
+    // OBJ has no place for statuses; the report counts them.
+    let status = table.columns.iter().position(|column| column.name == "status");
+    let without = status.filter(|_| is_obj(output)).map(|status| {
+        let mut table = table.clone();
+        table.columns.remove(status);
+        table
+    });
+    timed(&mut report.times.write, || context.write(output, without.as_ref().unwrap_or(table)))?;
     report.wrote(output);
     Ok(())
+}
+
+fn is_obj(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"))
 }
 
 /// Drops the statuses that an earlier job wrote as words: this job writes its own, and PLY holds no words.

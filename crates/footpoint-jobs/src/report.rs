@@ -129,12 +129,20 @@ impl NoiseSource {
 pub struct InputReport {
     /// Its path as given.
     pub path: String,
-    /// Its format: `ply` or `text`.
+    /// Its format: `ply`, `las`, `text`, …
     pub format: &'static str,
     /// Points in it.
     pub points: usize,
     /// 2 or 3.
     pub dimension: usize,
+    /// Points that the file states and does not hold, because it is damaged.
+    pub missing_points: u64,
+    /// The coordinate reference system, as the file states it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crs: Option<String>,
+    /// The unit of the coordinates, where the file states it: `metre`, `foot`, `us_survey_foot`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<&'static str>,
     /// Points with a coordinate that is not finite: they keep their place and get no answer.
     pub not_finite: usize,
     /// Whether the file has normals.

@@ -56,7 +56,7 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera")]
     look_from: Option<[f64; 3]>,
     /// What is in the middle of the picture [default: the middle of the cloud]
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera", hide_short_help = true)]
     look_at: Option<[f64; 3]>,
     /// What is up [default: 0,0,1]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera", hide_short_help = true)]

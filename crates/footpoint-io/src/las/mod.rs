@@ -100,6 +100,7 @@ fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<Input, LasError> 
         _ => Format::Las,
     };
     let frame = crs::frame(&head, notes);
+    report.stated_rows = options.within.is_none().then_some(head.points);
     let Head { header, vlrs, evlrs, format: point_format, .. } = head;
     let kept = LasKept { header, format: point_format, vlrs, evlrs, extras, frame: frame.clone() };
     let table = Table { columns, comments: Vec::new(), frame, kept: Some(Kept::Las(Box::new(kept))) };

@@ -97,5 +97,9 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<(Table, PcdEncoding, ReadR
     let kept = PcdKept { width, height, viewpoint, colour: packed, groups };
     let comments = header.comments;
     let table = Table { columns, comments, kept: Some(Kept::Pcd(kept)), ..Table::default() };
-    Ok((table, header.encoding, ReadReport { notes: header.notes, ..ReadReport::default() }))
+    Ok((
+        table,
+        header.encoding,
+        ReadReport { notes: header.notes, stated_rows: Some(header.points), ..ReadReport::default() },
+    ))
 }

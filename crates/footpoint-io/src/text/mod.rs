@@ -191,6 +191,7 @@ impl Reader {
                     wanted,
                 });
             }
+            report.stated_rows = Some(count as u64);
             report.notes.push(format!("PTS count says {count}, file has {rows} rows"));
         }
         if body.positional {
