@@ -60,9 +60,6 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             let more = if name.len() < crs.len() { " …" } else { "" };
             writeln!(out, "  reference system {name}{more}")?;
         }
-        if let Some(unit) = input.unit {
-            writeln!(out, "  unit of coordinates: {}", unit.replace('_', " "))?;
-        }
         if input.unusable_normals > 0 {
             writeln!(out, "  {} normals are zero or not finite and count as absent", input.unusable_normals)?;
         }
@@ -227,7 +224,13 @@ fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {
             "  the points lie in a plane across an axis: two columns would make them a curve in the plane"
         )?;
     }
-    writeln!(out, "unit: {}", info.unit.as_deref().unwrap_or("not stated in the file"))?;
+    writeln!(
+        out,
+        "unit: {}",
+        info.unit
+            .as_deref()
+            .map_or_else(|| "not stated in the file".to_owned(), |unit| unit.replace('_', " "))
+    )?;
     writeln!(out, "exact repeats: {}", info.repeats)?;
     if let Some(spacing) = info.spacing {
         writeln!(out, "spacing: {} (median distance to the nearest distinct point)", short(spacing))?;

@@ -1,7 +1,7 @@
 //! Job: what a file holds, and the support that would be chosen for it.
 
 use crate::clock::timed;
-use crate::load::Loaded;
+use crate::load::{Loaded, unit_name};
 use crate::numbers::median;
 use crate::report::Report;
 use crate::{Context, JobError};
@@ -77,6 +77,7 @@ fn run<const D: usize>(
     let finite: Vec<&[f64; D]> = points.iter().filter(|p| p.iter().all(|c| c.is_finite())).collect();
     let mut info = InfoReport {
         columns: table.columns.iter().map(|c| c.name.clone()).collect(),
+        unit: table.frame.unit.map(|unit| unit_name(unit).to_owned()),
         repeats: repeats(&finite),
         ..InfoReport::default()
     };

@@ -337,7 +337,8 @@ mod tests {
     }
 }
 
-fn unit_name(unit: Unit) -> &'static str {
+/// The unit as reports have it.
+pub(crate) fn unit_name(unit: Unit) -> &'static str {
     match unit {
         Unit::Metre => "metre",
         Unit::Foot => "foot",
