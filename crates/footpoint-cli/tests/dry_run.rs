@@ -14,6 +14,7 @@ fn nothing_is_written_and_the_plan_is_told() {
         ("normals cloud.csv -o n.ply --weight poly4", &["n.ply"]),
         ("orient cloud.csv -o o.ply", &["o.ply"]),
         ("project cloud.csv -o p.ply --onto cloud.csv", &["p.ply"]),
+        ("distance cloud.csv --to cloud.csv -o d.ply", &["d.ply"]),
         ("evaluate cloud.csv --at cloud.csv -o e.ply", &["e.ply"]),
         ("render cloud.csv --mask m.png", &["cloud.png", "m.png"]),
         ("figure 3 cloud.csv -o figures", &["figures/figure-3.png"]),

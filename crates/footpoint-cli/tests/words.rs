@@ -4,7 +4,8 @@ mod common;
 
 use common::{Folder, check_snapshot, sphere_csv};
 
-const VERBS: [&str; 8] = ["demo", "info", "evaluate", "normals", "orient", "project", "figure", "render"];
+const VERBS: [&str; 9] =
+    ["demo", "info", "evaluate", "normals", "orient", "project", "distance", "figure", "render"];
 /// Lines of a screen.
 const SCREEN: usize = 50;
 
@@ -83,6 +84,7 @@ fn reports_in_words() {
         ("info", "info cloud.csv"),
         ("normals", "normals cloud.csv -o normals.csv --auto best"),
         ("project", "project points.csv --onto cloud.csv -o feet.csv --noise 0.01"),
+        ("distance", "distance points.csv --to cloud.csv -o off.csv --noise 0.01 --largest 1"),
         ("orient", "orient cloud.csv -o oriented.ply --drop normals"),
         ("evaluate", "evaluate cloud.csv --at points.csv -o f.csv --verbose"),
         ("dry-run", "normals cloud.csv -o other.csv --dry-run"),

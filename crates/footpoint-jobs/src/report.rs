@@ -78,6 +78,9 @@ pub struct Recipe {
     /// Columns that are left out as if the files had none of that name; `normals` for those that hold normals.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub drop: Vec<String>,
+    /// Only the points inside this box are read, from every file: its lowest and its highest corner.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<[[f64; 3]; 2]>,
     /// Where the noise of the samples is from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseSource>,

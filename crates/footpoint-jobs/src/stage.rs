@@ -2,7 +2,7 @@
 
 use crate::{Context, JobError};
 use footpoint::{Progress, Run};
-use footpoint_io::{Input, ReadOptions, ReadProblem, Table, Watch, WriteOptions, read_with, write};
+use footpoint_io::{Bounds, Input, ReadOptions, ReadProblem, Table, Watch, WriteOptions, read_with, write};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -33,11 +33,10 @@ impl Context<'_> {
     pub(crate) fn read(&self, path: &Path) -> Result<Input, JobError> {
         self.begin(Stage::Read(path));
         let watch = Watching(&self.run);
-        read_with(path, &ReadOptions { watch: Some(&watch), ..ReadOptions::default() }).map_err(|error| {
-            match *error.problem {
-                ReadProblem::Stopped => JobError::Cancelled,
-                _ => JobError::Read(error),
-            }
+        let within = self.recipe.within.map(|[low, high]| Bounds { low, high });
+        read_with(path, &ReadOptions { watch: Some(&watch), within }).map_err(|error| match *error.problem {
+            ReadProblem::Stopped => JobError::Cancelled,
+            _ => JobError::Read(error),
         })
     }
 

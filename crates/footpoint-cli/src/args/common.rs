@@ -32,6 +32,11 @@ pub(crate) struct Common {
     /// Columns to leave out, by commas, as if the files had none of that name; `normals` for nx ny nz
     #[arg(long, value_name = "NAMES", value_delimiter = ',', hide_short_help = true)]
     drop: Vec<String>,
+    /// Read only the points inside this box: the lowest and the highest coordinates
+    ///
+    /// Of every file, its faces included; of a COPC file no more is read than that. Points in the plane have any height.
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true, hide_short_help = true)]
+    within: Option<[[f64; 3]; 2]>,
     /// Noise of the samples, for sigma: a number, a column, or `auto`
     ///
     /// One standard deviation in the unit of the file, a column of them (or covariances, in columns NAME_xx, NAME_xy …), or
@@ -210,6 +215,7 @@ impl Common {
         if !self.drop.is_empty() {
             recipe.drop.clone_from(&self.drop);
         }
+        recipe.within = self.within.or(recipe.within);
         if let Some(noise) = &self.noise {
             recipe.noise = Some(NoiseSource::of(noise));
         }
@@ -282,6 +288,15 @@ fn degree(text: &str) -> Result<DegreeName, String> {
     match text {
         "auto" => Ok(DegreeName::Auto),
         _ => text.parse().map(DegreeName::Fixed).map_err(|_| "it must be 0, 1, 2, 3 or `auto`".to_owned()),
+    }
+}
+
+/// Two corners of a box.
+fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse::<f64>()).collect();
+    match numbers.as_deref() {
+        Ok(&[a, b, c, d, e, f]) if a <= d && b <= e && c <= f => Ok([[a, b, c], [d, e, f]]),
+        _ => Err("it must be six numbers: the lowest x, y, z, then the highest".to_owned()),
     }
 }
 
