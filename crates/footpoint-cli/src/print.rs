@@ -193,10 +193,13 @@ fn describe_picture(out: &mut String, render: &RenderReport) -> std::fmt::Result
         render.rays,
         100.0 * render.hits as f64 / render.rays as f64
     )?;
-    let vector = |v: [f64; 3]| v.map(short).join(",");
     let camera = render.camera;
-    write!(out, "camera: --look-from {} --look-at {}", vector(camera.from), vector(camera.at))?;
-    write!(out, " --look-up {}", vector(camera.up))?;
+    // Survey coordinates are long: digits count from the distance of the eye.
+    let apart = (0..3).map(|k| (camera.from[k] - camera.at[k]).powi(2)).sum::<f64>().sqrt();
+    let decimals = (4.0 - apart.log10().floor()).clamp(0.0, 12.0) as usize;
+    let place = |v: [f64; 3]| v.map(|c| format!("{c:.decimals$}")).join(",");
+    write!(out, "camera: --look-from {} --look-at {}", place(camera.from), place(camera.at))?;
+    write!(out, " --look-up {}", camera.up.map(short).join(","))?;
     match camera.projection {
         Projection::Perspective { fov_degrees } => writeln!(out, " --fov {fov_degrees}")?,
         Projection::Orthographic { height } => {
