@@ -313,6 +313,17 @@ impl Context<'_> {
     }
 }
 
+/// The unit as reports have it.
+pub(crate) fn unit_name(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Metre => "metre",
+        Unit::Foot => "foot",
+        Unit::UsSurveyFoot => "us_survey_foot",
+        Unit::Degree => "degree",
+        _ => "other",
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -334,16 +345,5 @@ mod tests {
         }
         let error = check_unit(&with(Some(Unit::Degree)), Path::new("a.las")).unwrap_err().to_string();
         assert!(error.starts_with("a.las: ") && error.contains("reproject"), "{error}");
-    }
-}
-
-/// The unit as reports have it.
-pub(crate) fn unit_name(unit: Unit) -> &'static str {
-    match unit {
-        Unit::Metre => "metre",
-        Unit::Foot => "foot",
-        Unit::UsSurveyFoot => "us_survey_foot",
-        Unit::Degree => "degree",
-        _ => "other",
     }
 }
