@@ -25,8 +25,8 @@ use std::str::FromStr;
 /// Computes with the smooth surface that a point cloud describes.
 ///
 /// The surface is where f(x) = n(x)·(x − a(x)) vanishes (Alexa & Adamson 2004); its normal is the exact gradient
-/// of f. Files: PLY, and text (xyz csv txt pts pwn xy); two columns are a curve in the plane. Lengths are in the
-/// unit of the file, angles in degrees.
+/// of f. Files: ply las laz e57 pcd obj npy npz and text (xyz csv txt pts pwn xy); read only: COPC, ptx, gzip.
+/// Two columns are a curve in the plane. Lengths are in the unit of the file, angles in degrees.
 #[derive(Debug, Parser)]
 #[command(name = "footpoint", version, max_term_width = 100, after_help = EXIT_CODES, disable_help_subcommand = true)]
 pub(crate) struct Arguments {

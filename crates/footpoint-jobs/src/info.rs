@@ -14,7 +14,7 @@ use std::path::Path;
 pub struct InfoReport {
     /// Names of the columns, in the file's order.
     pub columns: Vec<String>,
-    /// The unit of the coordinates, where the file states one; PLY and text do not.
+    /// The unit of the coordinates, where the file states one.
     pub unit: Option<String>,
     /// Smallest finite coordinates.
     pub low: Vec<f64>,
