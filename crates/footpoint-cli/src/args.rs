@@ -64,8 +64,8 @@ pub(crate) enum About {
     },
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 more points than --strict allows are not ok; 2 nothing done; 130 interrupted.\n\
-    Each point has a status: ok outside degenerate boundary singular not_converged invalid (0 … 6 in PLY).";
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 more points than --strict allows are not ok, or some are missing in the file; 2 nothing done; 130 interrupted.\n\
+    Each point has a status: ok outside degenerate boundary singular not_converged invalid (0 … 6 but in text).";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {

@@ -11,7 +11,7 @@ pub enum TextError {
     #[error("cannot read: {0}")]
     Io(#[from] io::Error),
     /// The bytes are not text.
-    #[error("byte {byte}: binary content, neither PLY nor UTF-8 text; convert to PLY or text")]
+    #[error("byte {byte}: binary content, neither a format that is known nor UTF-8 text")]
     Binary {
         /// Where the text stops, from 0.
         byte: usize,
