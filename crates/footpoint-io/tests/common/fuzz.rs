@@ -66,11 +66,21 @@ const WORDS: [&str; 16] = [
 pub(crate) struct Target {
     files: Vec<(String, Vec<u8>)>,
     folder: TempDir,
+    /// What is done to a damaged file, given the good one, so that the damage gets past checksums.
+    seal: Option<Seal>,
 }
+
+type Seal = fn(&[u8], Vec<u8>) -> Vec<u8>;
 
 impl Target {
     pub(crate) fn new() -> Self {
-        Self { files: Vec::new(), folder: tempfile::tempdir().unwrap() }
+        Self { files: Vec::new(), folder: tempfile::tempdir().unwrap(), seal: None }
+    }
+
+    /// Its files are damaged as they are given and brought into their final form afterwards.
+    #[allow(dead_code, reason = "few formats have checksums")]
+    pub(crate) fn sealed(self, seal: Seal) -> Self {
+        Self { seal: Some(seal), ..self }
     }
 
     /// With a file of this name and content.
@@ -93,6 +103,9 @@ impl Target {
         let (name, good) = &self.files[usize::from(damage.file) % self.files.len()];
         let mut bytes = good.clone();
         damage.edits.iter().take(8).for_each(|edit| edit.apply(&mut bytes));
+        if let Some(seal) = self.seal {
+            bytes = seal(good, bytes);
+        }
         let path: PathBuf = self.folder.path().join(name);
         std::fs::write(&path, &bytes).unwrap();
         let start = Instant::now();
@@ -158,7 +171,7 @@ impl Edit {
             Self::Cut(place) => bytes.truncate(place.within(bytes.len())),
             Self::Word(place, word) => {
                 let at = place.within(bytes.len());
-                let blank = |b: &u8| b.is_ascii_whitespace() || b",()[]:".contains(b);
+                let blank = |b: &u8| b.is_ascii_whitespace() || b",()[]:\"<>".contains(b);
                 let start = bytes[..at].iter().rposition(blank).map_or(0, |i| i + 1);
                 let end = bytes[at..].iter().position(blank).map_or(bytes.len(), |i| at + i);
                 bytes.splice(start..end.max(start), WORDS[usize::from(*word) % WORDS.len()].bytes());
