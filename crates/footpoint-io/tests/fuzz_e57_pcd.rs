@@ -19,7 +19,10 @@ use flate2::{Compression, write::GzEncoder};
 use footpoint_io::{Column, Data, PcdEncoding, Table, WriteOptions, write};
 use fuzz::{Damage, Target};
 
-/// Columns with standard attributes, in several scans' worth of types, and some without coordinates.
+/// The bytes before the first section of an E57 file.
+const HEADER: usize = 48;
+
+/// Columns with standard attributes and others, of every number type, and a point without coordinates.
 fn scan() -> Table {
     let mut table = extremes();
     table.set(Column::new("z", Data::F64(vec![1.0, 2.0, 3.0, 4.0, f64::NAN, 6.0])));
@@ -96,6 +99,7 @@ fn e57() {
     let plain = f64_table(&[("x", &[1.0, 2.0]), ("y", &[1.0, 2.0]), ("z", &[1.0, 2.0])]);
     let target = Target::new()
         .sealed(seal)
+        .behind(|_| HEADER)
         .file("a.e57", written(&plain))
         .file("a.e57", written(&scan()))
         .file("a.e57", unpaged(&stations()));
@@ -112,7 +116,9 @@ fn pcd() {
     binary.extend([1; 4 * 35]);
     let mut packer = GzEncoder::new(Vec::new(), Compression::default());
     packer.write_all(&binary).unwrap();
+    let body = |file: &[u8]| file.windows(5).position(|window| window == b"DATA ").unwrap_or(0);
     let mut target = Target::new()
+        .behind(body)
         .file("a.pcd", organised)
         .file("a.pcd", &binary)
         .file("a.pcd.gz", packer.finish().unwrap());

@@ -18,22 +18,26 @@ use footpoint_io::{Column, Data, Frame, Table, Unit, WriteOptions};
 use fuzz::{Damage, Target};
 use las::{Builder, Color, Point, Writer, point};
 
+/// Enough for the packing to come into its models of the points, few enough to be quick.
+const ROWS: u16 = 100;
+
 /// Points on a grid, times, colours, classes and extra bytes of several types; with a reference system it becomes
 /// point format 3, without one 7.
 fn rich(crs: Option<&str>) -> Table {
+    let rows = || (0..ROWS).map(f64::from);
     let mut table = f64_table(&[
-        ("x", &[0.5, 1.25, 9.0]),
-        ("y", &[-7.0, 8.5, 1e4]),
-        ("z", &[0.0, 0.001, -3.0]),
-        ("gps_time", &[1.0, 2.0, 3.5]),
-        ("distance", &[0.1, -0.2, f64::NAN]),
+        ("x", &rows().map(|i| i / 4.0).collect::<Vec<_>>()),
+        ("y", &rows().map(|i| i * i - 7.0).collect::<Vec<_>>()),
+        ("z", &rows().map(|i| (i % 7.0) / 8.0).collect::<Vec<_>>()),
+        ("gps_time", &rows().map(|i| i * 0.1).collect::<Vec<_>>()),
+        ("distance", &rows().map(f64::ln).collect::<Vec<_>>()),
     ]);
-    for name in ["red", "green", "blue"] {
-        table.set(Column::new(name, Data::U16(vec![1, 65535, 300])));
+    for (name, step) in [("red", 1), ("green", 700), ("blue", 9000)] {
+        table.set(Column::new(name, Data::U16((0..ROWS).map(|i| i.wrapping_mul(step)).collect())));
     }
-    table.set(Column::new("classification", Data::U8(vec![2, 3, 200])));
-    table.set(Column::new("status", Data::I8(vec![-1, 0, 1])));
-    table.set(Column::new("number", Data::I64(vec![i64::MIN, 0, i64::MAX])));
+    table.set(Column::new("classification", Data::U8((0..ROWS).map(|i| (i % 5) as u8).collect())));
+    table.set(Column::new("status", Data::I8((0..ROWS).map(|i| -(i as i8)).collect())));
+    table.set(Column::new("number", Data::I64((0..ROWS).map(|i| i64::MAX - i64::from(i)).collect())));
     table.frame = Frame { crs: crs.map(str::to_owned), unit: Some(Unit::Metre) };
     table
 }
@@ -45,16 +49,16 @@ fn old(format: u8, is_packed: bool) -> Vec<u8> {
     builder.point_format.is_compressed = is_packed;
     builder.point_format.extra_bytes = 2;
     let mut writer = Writer::new(Cursor::new(Vec::new()), builder.into_header().unwrap()).unwrap();
-    for step in 0..5_u16 {
+    for step in 0..ROWS {
         let place = f64::from(step);
         let point = Point {
             x: place,
             y: -place,
             z: 0.25,
-            intensity: step,
+            intensity: step % 9,
             gps_time: (format & 1 == 1).then_some(place),
             color: (format > 1).then(|| Color::new(step, 2, 3)),
-            extra_bytes: vec![1, 2],
+            extra_bytes: vec![1, step as u8],
             ..Point::default()
         };
         writer.write_point(point).unwrap();
@@ -62,11 +66,17 @@ fn old(format: u8, is_packed: bool) -> Vec<u8> {
     writer.into_inner().unwrap().into_inner()
 }
 
+/// Where the points of a file start.
+fn points(file: &[u8]) -> usize {
+    u32::from_le_bytes(file[96..100].try_into().unwrap()) as usize
+}
+
 #[test]
 fn las() {
     let plain = f64_table(&[("x", &[0.5, 1.25]), ("y", &[-7.0, 8.5]), ("z", &[0.0, 0.001])]);
     let options = WriteOptions::default();
     let target = Target::new()
+        .behind(points)
         .written("a.las", &plain, &options)
         .written("a.las", &rich(Some("EPSG:25832")), &options)
         .written("a.las", &rich(None), &options)
@@ -77,8 +87,10 @@ fn las() {
 #[test]
 fn laz() {
     let plain = f64_table(&[("x", &[0.5, 1.25]), ("y", &[-7.0, 8.5]), ("z", &[0.0, 0.001])]);
+    // The first eight bytes are the place of the table of chunks.
     let options = WriteOptions::default();
     let target = Target::new()
+        .behind(|file| points(file) + 8)
         .written("a.laz", &plain, &options)
         .written("a.laz", &rich(Some("EPSG:25832")), &options)
         .written("a.laz", &rich(None), &options)

@@ -19,6 +19,10 @@ const LONGEST: Duration = Duration::from_secs(5);
 #[derive(Debug, Clone, TypeGenerator)]
 pub(crate) struct Damage {
     file: u8,
+    /// Whether only the first edit is made: of many, one as a rule is such that no other is ever seen.
+    is_single: bool,
+    /// Whether what stands before the points stays whole.
+    is_behind: bool,
     edits: Vec<Edit>,
 }
 
@@ -68,19 +72,27 @@ pub(crate) struct Target {
     folder: TempDir,
     /// What is done to a damaged file, given the good one, so that the damage gets past checksums.
     seal: Option<Seal>,
+    /// Where the points of a file start.
+    body: Option<fn(&[u8]) -> usize>,
 }
 
 type Seal = fn(&[u8], Vec<u8>) -> Vec<u8>;
 
 impl Target {
     pub(crate) fn new() -> Self {
-        Self { files: Vec::new(), folder: tempfile::tempdir().unwrap(), seal: None }
+        Self { files: Vec::new(), folder: tempfile::tempdir().unwrap(), seal: None, body: None }
     }
 
     /// Its files are damaged as they are given and brought into their final form afterwards.
     #[allow(dead_code, reason = "few formats have checksums")]
     pub(crate) fn sealed(self, seal: Seal) -> Self {
         Self { seal: Some(seal), ..self }
+    }
+
+    /// Half of the damage is done behind this place of a file, so that it gets past a header.
+    #[allow(dead_code, reason = "not all formats have a header that is easily broken")]
+    pub(crate) fn behind(self, body: fn(&[u8]) -> usize) -> Self {
+        Self { body: Some(body), ..self }
     }
 
     /// With a file of this name and content.
@@ -101,8 +113,12 @@ impl Target {
     /// than the bytes account for. The files themselves must be good.
     pub(crate) fn survives(&self, damage: &Damage) {
         let (name, good) = &self.files[usize::from(damage.file) % self.files.len()];
-        let mut bytes = good.clone();
-        damage.edits.iter().take(8).for_each(|edit| edit.apply(&mut bytes));
+        let start = self.body.filter(|_| damage.is_behind).map_or(0, |body| body(good));
+        let (head, body) = good.split_at(start);
+        let mut body = body.to_vec();
+        let most = if damage.is_single { 1 } else { 8 };
+        damage.edits.iter().take(most).for_each(|edit| edit.apply(&mut body));
+        let mut bytes = [head, &body].concat();
         if let Some(seal) = self.seal {
             bytes = seal(good, bytes);
         }
