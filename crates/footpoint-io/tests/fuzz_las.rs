@@ -71,6 +71,21 @@ fn points(file: &[u8]) -> usize {
     u32::from_le_bytes(file[96..100].try_into().unwrap()) as usize
 }
 
+/// Where the length of a damaged LAZ file has changed, the place of its table of chunks moves along: otherwise no such
+/// file would be unpacked.
+fn seal(good: &[u8], mut file: Vec<u8>) -> Vec<u8> {
+    let start = points(good);
+    if let Some(place) = file.get_mut(start..start + 8) {
+        let old = &good[start..start + 8];
+        let behind = good.len() as u64 - u64::from_le_bytes(old.try_into().unwrap());
+        if place == old {
+            let length = file.len() as u64;
+            file[start..start + 8].copy_from_slice(&length.saturating_sub(behind).to_le_bytes());
+        }
+    }
+    file
+}
+
 #[test]
 fn las() {
     let plain = f64_table(&[("x", &[0.5, 1.25]), ("y", &[-7.0, 8.5]), ("z", &[0.0, 0.001])]);
@@ -90,6 +105,7 @@ fn laz() {
     // The first eight bytes are the place of the table of chunks.
     let options = WriteOptions::default();
     let target = Target::new()
+        .sealed(seal)
         .behind(|file| points(file) + 8)
         .written("a.laz", &plain, &options)
         .written("a.laz", &rich(Some("EPSG:25832")), &options)

@@ -36,6 +36,8 @@ enum Edit {
     Cut(Place),
     /// Puts one of `WORDS` in the place of a word.
     Word(Place, u8),
+    /// Puts one of `WORDS` in the place of the next written number.
+    Number(Place, u8),
     /// Overwrites bytes by a number that claims much.
     Claim(Place, u8),
 }
@@ -191,6 +193,14 @@ impl Edit {
                 let start = bytes[..at].iter().rposition(blank).map_or(0, |i| i + 1);
                 let end = bytes[at..].iter().position(blank).map_or(bytes.len(), |i| at + i);
                 bytes.splice(start..end.max(start), WORDS[usize::from(*word) % WORDS.len()].bytes());
+            }
+            Self::Number(place, word) => {
+                let at = place.within(bytes.len());
+                let is_start = |b: &u8| b.is_ascii_digit() || *b == b'-';
+                let Some(start) = bytes[at..].iter().position(is_start).map(|i| at + i) else { return };
+                let is_other = |b: &u8| !b.is_ascii_digit() && !b"-+.e".contains(b);
+                let end = bytes[start..].iter().position(is_other).map_or(bytes.len(), |i| start + i);
+                bytes.splice(start..end, WORDS[usize::from(*word) % WORDS.len()].bytes());
             }
             Self::Claim(place, kind) => {
                 let claims: [&[u8]; 6] =
