@@ -7,7 +7,7 @@ mod common;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-use common::{Sample, crc32c, f64_table, names, numbers, parse, refusal};
+use common::{Sample, f64_table, names, numbers, paged, parse, refusal, unpaged};
 use e57::{
     E57Writer, Extension, Quaternion, Record, RecordDataType, RecordName, RecordValue, Transform, Translation,
 };
@@ -401,10 +401,10 @@ fn what_is_no_scan_is_refused() {
 
 /// The file with other words of the same length in its XML, and right checksums.
 fn resealed(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
-    let mut payload: Vec<u8> = bytes.chunks(1024).flat_map(|page| &page[..1020]).copied().collect();
+    let mut payload = unpaged(bytes);
     assert_eq!(from.len(), to.len());
     while let Some(at) = payload.windows(from.len()).position(|window| window == from.as_bytes()) {
         payload[at..at + to.len()].copy_from_slice(to.as_bytes());
     }
-    payload.chunks(1020).flat_map(|page| [page, &crc32c(page).to_be_bytes()].concat()).collect()
+    paged(&payload)
 }

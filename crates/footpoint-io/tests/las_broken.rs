@@ -7,8 +7,8 @@ mod common;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use common::{Sample, real_files, refusal};
-use footpoint_io::{Bounds, Column, Data, ReadOptions, WriteOptions, read, read_with, write};
+use common::{Sample, f64_table, parse, real_files, refusal};
+use footpoint_io::{Bounds, Column, Data, Overwrite, ReadOptions, WriteOptions, read, read_with, write};
 
 /// Refused with this reason, or read with so many points and this note.
 type Wanted = Result<(usize, &'static str), &'static str>;
@@ -242,4 +242,19 @@ fn broken_keys_and_octrees_are_noted() {
         );
         assert_eq!(input.table.columns, whole.table.columns);
     }
+}
+
+#[test]
+fn records_beyond_all_files_are_noted() {
+    let sample = Sample::new("a.las", b"");
+    let table = f64_table(&[("x", &[1.0]), ("y", &[2.0]), ("z", &[3.0])]);
+    let options = WriteOptions { overwrite: Overwrite::Replace, ..WriteOptions::default() };
+    write(&sample.path, &table, &options).unwrap();
+    let mut bytes = std::fs::read(&sample.path).unwrap();
+    // Where the extended records start, and how many there are.
+    bytes[235..243].fill(0xff);
+    bytes[243] = 1;
+    let input = parse("a.las", &bytes);
+    assert_eq!(input.table.rows(), 1);
+    assert_eq!(input.report.notes, ["the header counts 1 extended records behind the points, 0 are whole"]);
 }

@@ -50,6 +50,10 @@ impl Record {
     pub(super) fn read_all(file: &mut (impl Read + Seek), place: &Place) -> io::Result<Vec<Self>> {
         let mut records = Vec::new();
         let mut at = place.start;
+        // No file is so long that one could seek to any number.
+        if at >= place.end {
+            return Ok(records);
+        }
         file.seek(SeekFrom::Start(at))?;
         let head_size = if place.extended { 60 } else { 54 };
         while (records.len() as u64) < place.count && at.saturating_add(head_size) <= place.end {

@@ -19,6 +19,10 @@ const LONGEST: Duration = Duration::from_secs(5);
 #[derive(Debug, Clone, TypeGenerator)]
 pub(crate) struct Damage {
     file: u8,
+    /// Whether only the first edit is made: of many, one as a rule is such that no other is ever seen.
+    is_single: bool,
+    /// Whether what stands before the points stays whole.
+    is_behind: bool,
     edits: Vec<Edit>,
 }
 
@@ -32,6 +36,8 @@ enum Edit {
     Cut(Place),
     /// Puts one of `WORDS` in the place of a word.
     Word(Place, u8),
+    /// Puts one of `WORDS` in the place of the next written number.
+    Number(Place, u8),
     /// Overwrites bytes by a number that claims much.
     Claim(Place, u8),
 }
@@ -66,11 +72,29 @@ const WORDS: [&str; 16] = [
 pub(crate) struct Target {
     files: Vec<(String, Vec<u8>)>,
     folder: TempDir,
+    /// What is done to a damaged file, given the good one, so that the damage gets past checksums.
+    seal: Option<Seal>,
+    /// Where the points of a file start.
+    body: Option<fn(&[u8]) -> usize>,
 }
+
+type Seal = fn(&[u8], Vec<u8>) -> Vec<u8>;
 
 impl Target {
     pub(crate) fn new() -> Self {
-        Self { files: Vec::new(), folder: tempfile::tempdir().unwrap() }
+        Self { files: Vec::new(), folder: tempfile::tempdir().unwrap(), seal: None, body: None }
+    }
+
+    /// Its files are damaged as they are given and brought into their final form afterwards.
+    #[allow(dead_code, reason = "few formats have checksums")]
+    pub(crate) fn sealed(self, seal: Seal) -> Self {
+        Self { seal: Some(seal), ..self }
+    }
+
+    /// Half of the damage is done behind this place of a file, so that it gets past a header.
+    #[allow(dead_code, reason = "not all formats have a header that is easily broken")]
+    pub(crate) fn behind(self, body: fn(&[u8]) -> usize) -> Self {
+        Self { body: Some(body), ..self }
     }
 
     /// With a file of this name and content.
@@ -91,8 +115,15 @@ impl Target {
     /// than the bytes account for. The files themselves must be good.
     pub(crate) fn survives(&self, damage: &Damage) {
         let (name, good) = &self.files[usize::from(damage.file) % self.files.len()];
-        let mut bytes = good.clone();
-        damage.edits.iter().take(8).for_each(|edit| edit.apply(&mut bytes));
+        let start = self.body.filter(|_| damage.is_behind).map_or(0, |body| body(good));
+        let (head, body) = good.split_at(start);
+        let mut body = body.to_vec();
+        let most = if damage.is_single { 1 } else { 8 };
+        damage.edits.iter().take(most).for_each(|edit| edit.apply(&mut body));
+        let mut bytes = [head, &body].concat();
+        if let Some(seal) = self.seal {
+            bytes = seal(good, bytes);
+        }
         let path: PathBuf = self.folder.path().join(name);
         std::fs::write(&path, &bytes).unwrap();
         let start = Instant::now();
@@ -158,10 +189,18 @@ impl Edit {
             Self::Cut(place) => bytes.truncate(place.within(bytes.len())),
             Self::Word(place, word) => {
                 let at = place.within(bytes.len());
-                let blank = |b: &u8| b.is_ascii_whitespace() || b",()[]:".contains(b);
+                let blank = |b: &u8| b.is_ascii_whitespace() || b",()[]:\"<>".contains(b);
                 let start = bytes[..at].iter().rposition(blank).map_or(0, |i| i + 1);
                 let end = bytes[at..].iter().position(blank).map_or(bytes.len(), |i| at + i);
                 bytes.splice(start..end.max(start), WORDS[usize::from(*word) % WORDS.len()].bytes());
+            }
+            Self::Number(place, word) => {
+                let at = place.within(bytes.len());
+                let is_start = |b: &u8| b.is_ascii_digit() || *b == b'-';
+                let Some(start) = bytes[at..].iter().position(is_start).map(|i| at + i) else { return };
+                let is_other = |b: &u8| !b.is_ascii_digit() && !b"-+.e".contains(b);
+                let end = bytes[start..].iter().position(is_other).map_or(bytes.len(), |i| start + i);
+                bytes.splice(start..end, WORDS[usize::from(*word) % WORDS.len()].bytes());
             }
             Self::Claim(place, kind) => {
                 let claims: [&[u8]; 6] =

@@ -94,8 +94,17 @@ impl Lcg {
     }
 }
 
-/// The checksum of a page of an E57 file.
-pub(crate) fn crc32c(bytes: &[u8]) -> u32 {
+/// What an E57 file holds between the checksums of its pages.
+pub(crate) fn unpaged(bytes: &[u8]) -> Vec<u8> {
+    bytes.chunks(1024).flat_map(|page| &page[..page.len().min(1020)]).copied().collect()
+}
+
+/// An E57 file of this content, with the checksums of its pages.
+pub(crate) fn paged(content: &[u8]) -> Vec<u8> {
+    content.chunks(1020).flat_map(|page| [page, &crc32c(page).to_be_bytes()].concat()).collect()
+}
+
+fn crc32c(bytes: &[u8]) -> u32 {
     let step = |crc: u32| if crc & 1 == 1 { crc >> 1 ^ 0x82f6_3b78 } else { crc >> 1 };
     !bytes.iter().fold(u32::MAX, |crc, byte| (0..8).fold(crc ^ u32::from(*byte), |crc, _| step(crc)))
 }

@@ -1,9 +1,10 @@
-"""Prints what laspy reads of a LAS or LAZ file, as JSON: header, grid and every dimension."""
+"""What laspy reads of a LAS or LAZ file: every dimension, and the bounds and the number of points of the header."""
 
-import json
 import sys
 
 import laspy
+
+from told import tell
 
 las = laspy.read(sys.argv[1])
 columns = {"x": las.x, "y": las.y, "z": las.z}
@@ -16,19 +17,4 @@ for name in las.point_format.dimension_names:
     else:
         columns[name] = values
 header = las.header
-print(
-    json.dumps(
-        {
-            "version": str(header.version),
-            "format": header.point_format.id,
-            "points": header.point_count,
-            "min": list(header.mins),
-            "max": list(header.maxs),
-            "scales": list(header.scales),
-            "offsets": list(header.offsets),
-            "vlrs": len(header.vlrs),
-            "evlrs": len(las.evlrs or []),
-            "columns": {name: [float(v) for v in values] for name, values in columns.items()},
-        }
-    )
-)
+tell(columns, points=header.point_count, min=list(header.mins), max=list(header.maxs))
