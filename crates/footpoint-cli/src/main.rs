@@ -13,9 +13,11 @@ use clap::Parser;
 use footpoint_jobs as jobs;
 use footpoint_jobs::{Context, JobError, Report, Run, Stage};
 use std::io::{self, Write};
+use std::panic;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 /// Nothing done: wrong usage or input.
 const NOTHING_DONE: u8 = 2;
@@ -25,6 +27,7 @@ const NOT_STRICT: u8 = 1;
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
+    silence_unpacking();
     match Arguments::parse().command {
         Command::Work(verb) => run(&verb),
         Command::About(about) => match print_out(&meta::text(&about)) {
@@ -32,6 +35,16 @@ fn main() -> ExitCode {
             Err(problem) => fail(&problem, NOTHING_DONE),
         },
     }
+}
+
+/// Damaged LAZ makes its decoder panic, which the reader turns into an error: nobody is to read of it twice.
+fn silence_unpacking() {
+    let usual = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        if thread::current().name() != Some(jobs::UNPACKING) {
+            usual(info);
+        }
+    }));
 }
 
 /// Runs a verb, and reports.

@@ -52,7 +52,7 @@ mod text;
 pub use e57::{E57Error, E57Kept, E57Scan, Pose};
 pub use format::{Encoding, Format};
 pub use input::{Input, OtherElement, ReadError, ReadProblem, ReadReport, read, read_with};
-pub use las::{LasError, LasKept, LasMisfit};
+pub use las::{LasError, LasKept, LasMisfit, UNPACKING};
 pub use npy::NpyError;
 pub use obj::ObjError;
 pub use options::{Bounds, ReadOptions, Watch};

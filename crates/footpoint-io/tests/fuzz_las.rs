@@ -114,7 +114,6 @@ fn laz() {
 }
 
 #[test]
-#[ignore = "laz 0.13 calls itself without bound in read_gps_time of point6.rs; the process ends by stack overflow"]
 fn laz_layers() {
     let plain = f64_table(&[("x", &[0.5, 1.25]), ("y", &[-7.0, 8.5]), ("z", &[0.0, 0.001])]);
     let options = WriteOptions::default();

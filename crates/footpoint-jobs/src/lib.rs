@@ -47,7 +47,7 @@ pub use footpoint::{
     Acceptance, Definition, DegreeAim, DegreeChoice, Kind, NonOrientable, NormalField, NormalSource,
     Operator, Precision, Progress, Project, Run, Status, Support, Weight,
 };
-pub use footpoint_io::Overwrite;
+pub use footpoint_io::{Overwrite, UNPACKING};
 pub use footpoint_render::{Background, Camera, Projection, Relief, View, Wish};
 
 use std::path::PathBuf;

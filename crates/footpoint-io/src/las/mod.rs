@@ -31,6 +31,7 @@ pub(crate) use layout::check;
 use points::{BLOCK, Points};
 use record::Record;
 use unpack::Packing;
+pub use unpack::UNPACKING;
 pub(crate) use write::write;
 
 /// What a LAS file holds beside its points, and how it stores them: point format, scale and offset, header
@@ -108,7 +109,7 @@ fn read_file(path: &Path, options: &ReadOptions<'_>) -> Result<Input, LasError> 
 }
 
 fn read_packed(
-    file: &mut (impl Read + Seek),
+    file: &mut (impl Read + Seek + Send),
     head: &Head,
     fields: Vec<fields::Field>,
     options: &ReadOptions<'_>,

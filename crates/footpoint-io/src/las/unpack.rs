@@ -5,6 +5,7 @@
 
 use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread::Builder;
 
 use laz::laszip::ChunkTable;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
@@ -21,6 +22,13 @@ pub(super) const LASZIP: (&str, u16) = (LazVlr::USER_ID, LazVlr::RECORD_ID);
 const MOST_PER_BYTE: u64 = 200;
 /// Unpacked bytes that are allowed whatever the size, for the sake of such grids.
 const MOST_AT_LEAST: u64 = 1 << 30;
+
+/// The name of the thread that unpacks LAZ. Its panics, which damaged files cause in the decoder, are caught and become
+/// errors; a program may leave their message unsaid.
+pub const UNPACKING: &str = "footpoint-unpacking";
+
+/// Room for calls: in layers the decoder of times calls itself as often as damaged bytes say, where whole ones say so once.
+const STACK: usize = 256 << 20;
 
 /// Points packed together.
 #[derive(Debug, Clone, Copy)]
@@ -131,6 +139,20 @@ impl Packing {
 
     /// Unpacks chunks one after the other.
     pub(super) fn unpack(
+        &self,
+        file: &mut (impl Read + Seek + Send),
+        chunks: &[Chunk],
+        points: &mut Points<'_>,
+    ) -> Result<(), LasError> {
+        std::thread::scope(|scope| {
+            let work = || self.unpack_here(file, chunks, points);
+            let worker =
+                Builder::new().name(UNPACKING.to_owned()).stack_size(STACK).spawn_scoped(scope, work)?;
+            worker.join().unwrap_or_else(|_| Err(LasError::Packing("the decoder gave up".to_owned())))
+        })
+    }
+
+    fn unpack_here(
         &self,
         file: &mut (impl Read + Seek),
         chunks: &[Chunk],
