@@ -113,6 +113,7 @@ fn errors_say_where_and_what_to_do() {
         "normals cloud.csv -o out.docx",
         "normals cloud.csv -o nowhere/out.ply",
         "normals cloud.csv -o cloud.csv",
+        "project cloud.csv -o out.obj",
         "normals words.txt -o out.ply",
         "normals cut.ply -o out.ply",
         "normals empty.xyz -o out.ply",

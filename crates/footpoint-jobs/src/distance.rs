@@ -6,12 +6,12 @@ mod walk;
 
 use crate::clock::timed;
 use crate::load::Loaded;
-use crate::output::{Naming, along, merge, put_table, set_numbers, set_vectors};
+use crate::output::{Naming, along, check_output, merge, put_table, set_numbers, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use feet::{Feet, Search};
 use footpoint::{Operator, Sign};
-use footpoint_io::{Column, Data, Table, check_writable};
+use footpoint_io::{Column, Data, Table};
 use footpoint_render::{Colours, Map};
 use std::path::Path;
 use summary::Found;
@@ -42,7 +42,7 @@ pub fn distance(
     context: &Context<'_>,
 ) -> Result<Report, JobError> {
     check(coloured, context)?;
-    check_writable(output, context.overwrite)?;
+    check_output(output, context)?;
     let mut report = Report::new("distance", context.recipe.clone());
     let how = report.recipe.project.unwrap_or_default().with_operator(Operator::Orthogonal);
     report.recipe.project = Some(how);

@@ -2,11 +2,11 @@
 
 use crate::clock::timed;
 use crate::load::Loaded;
-use crate::output::{Naming, along, put_table, set_counts, set_numbers, set_vectors};
+use crate::output::{Naming, along, check_output, put_table, set_counts, set_numbers, set_vectors};
 use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::{Curvatures, Evaluations, Queries, Want};
-use footpoint_io::{Column, Table, check_writable};
+use footpoint_io::{Column, Table};
 use std::path::Path;
 
 /// Columns of `evaluate` beyond the usual ones.
@@ -56,7 +56,7 @@ pub fn evaluate(
     extra: &[Extra],
     context: &Context<'_>,
 ) -> Result<Report, JobError> {
-    check_writable(output, context.overwrite)?;
+    check_output(output, context)?;
     let mut report = Report::new("evaluate", context.recipe.clone());
     let loaded = Loaded::read(cloud, context, &mut report)?;
     report.inputs.push(loaded.report());

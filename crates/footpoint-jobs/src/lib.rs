@@ -208,6 +208,11 @@ pub enum JobError {
     /// A name that is not a picture's.
     #[error("{0}: pictures are written as PNG; end the name in .png")]
     NotPng(String),
+    /// An OBJ file for more than it holds.
+    #[error(
+        "{0}: OBJ holds only coordinates, normals and colours, and this command gives more; write PLY, LAS or text"
+    )]
+    NotForObj(String),
     /// Two outputs of one name.
     #[error("{0}: two pictures are to be written there; give each its own name")]
     SameFile(String),

@@ -5,7 +5,7 @@ use crate::report::Report;
 use crate::{Context, JobError};
 use footpoint::Status;
 use footpoint_io::roles::Roles;
-use footpoint_io::{Column, Data, Table};
+use footpoint_io::{Column, Data, Table, check_writable};
 use std::path::Path;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -85,6 +85,14 @@ pub(crate) fn put_table(
     timed(&mut report.times.write, || context.write(output, without.as_ref().unwrap_or(table)))?;
     report.wrote(output);
     Ok(())
+}
+
+/// Fails, before any work is done, where no table with columns of numbers could be put at `path`.
+pub(crate) fn check_output(path: &Path, context: &Context<'_>) -> Result<(), JobError> {
+    if is_obj(path) {
+        return Err(JobError::NotForObj(path.display().to_string()));
+    }
+    Ok(check_writable(path, context.overwrite)?)
 }
 
 fn is_obj(path: &Path) -> bool {

@@ -3,11 +3,11 @@
 use crate::clock::timed;
 use crate::load::Loaded;
 use crate::numbers::Sorted;
-use crate::output::{Naming, merge, put_table, set_counts, set_numbers, set_vectors};
+use crate::output::{Naming, check_output, merge, put_table, set_counts, set_numbers, set_vectors};
 use crate::report::{MovedReport, Report};
 use crate::{Context, JobError};
 use footpoint::{Project, Projections, Queries, Uncertainty};
-use footpoint_io::{Table, check_writable};
+use footpoint_io::Table;
 use std::path::Path;
 
 /// Projects every point of `input` onto the surface of `onto`, or onto its own.
@@ -20,7 +20,7 @@ pub fn project(
     output: &Path,
     context: &Context<'_>,
 ) -> Result<Report, JobError> {
-    check_writable(output, context.overwrite)?;
+    check_output(output, context)?;
     let mut report = Report::new("project", context.recipe.clone());
     report.recipe.project.get_or_insert_default();
     let points = Loaded::read_for(output, input, context, &mut report)?;
