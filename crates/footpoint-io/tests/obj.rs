@@ -123,7 +123,7 @@ fn what_obj_cannot_hold_is_refused_by_name() {
     let mut table =
         f64_table(&[("x", &[0.0]), ("y", &[0.0]), ("red", &[0.0]), ("nx", &[0.0]), ("time", &[0.0])]);
     let message = check_table(path, &table).unwrap_err().to_string();
-    assert!(message.contains("OBJ wants columns x, y and z"), "{message}");
+    assert!(message.contains("OBJ needs columns x, y and z"), "{message}");
     table.set(Column::new("z", Data::F64(vec![0.0])));
     let message = check_table(path, &table).unwrap_err().to_string();
     assert!(message.contains("leave out red, nx, time, or write PLY"), "{message}");
