@@ -72,10 +72,10 @@ fn content_of_another_format_than_the_name_says_is_refused_by_name() {
     for (name, bytes, wanted) in [
         ("a.las", "x", "LAS"),
         ("a.e57", "x", "E57"),
-        ("a.pcd", "x", "PCD"),
-        ("a.ptx", "x", "PTX"),
-        ("a.xyz", "LASF....", "LAS"),
-        ("a.xyz", "ASTM-E57", "E57"),
+        ("a.pcd", "x", "no line `DATA`"),
+        ("a.ptx", "x", "line 1"),
+        ("a.xyz", "LASF....", "the header wants 227 bytes"),
+        ("a.xyz", "ASTM-E57", "the header states 24 bytes"),
     ] {
         let message = refusal(name, bytes);
         assert!(message.contains(wanted), "{name}: {message}");

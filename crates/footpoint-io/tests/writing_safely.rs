@@ -91,11 +91,7 @@ fn tables_a_format_cannot_hold_are_refused() {
         (&ply, with(Column::new("x", two())), "two columns are named `x`"),
         (&ply, with(Column::new("t", text("a"))), "column `t` holds text, which PLY cannot"),
         (&ply, with(Column::new("a b", two())), "column name \"a b\" cannot stand"),
-        (
-            &npy,
-            with(Column::new("t", text("a"))),
-            "column `t` holds text, which NumPy files of numbers cannot",
-        ),
+        (&npy, with(Column::new("t", text("a"))), "column `t` holds text, which NumPy cannot"),
         (&npy, with(Column::new("a\tb", two())), "column name \"a\\tb\" cannot stand"),
         (&csv, with(Column::new("a\nb", two())), "column name \"a\\nb\" cannot stand"),
         (&csv, with(Column::new("t", text("a\nb"))), "column `t`, row 1: the text has a line break"),
