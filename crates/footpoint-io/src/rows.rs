@@ -18,26 +18,17 @@ const BLOCK: usize = 128 * 1024;
 
 /// Appends one field of a block of rows to its column.
 pub(crate) fn append(column: &mut Data, rows: &[u8], stride: usize, offset: usize, order: Order) {
-    let big = order == Order::Big;
     match column {
-        Data::I8(v) => decode(v, rows, stride, offset, i8::from_le_bytes),
-        Data::U8(v) => decode(v, rows, stride, offset, u8::from_le_bytes),
-        Data::I16(v) if big => decode(v, rows, stride, offset, i16::from_be_bytes),
-        Data::I16(v) => decode(v, rows, stride, offset, i16::from_le_bytes),
-        Data::U16(v) if big => decode(v, rows, stride, offset, u16::from_be_bytes),
-        Data::U16(v) => decode(v, rows, stride, offset, u16::from_le_bytes),
-        Data::I32(v) if big => decode(v, rows, stride, offset, i32::from_be_bytes),
-        Data::I32(v) => decode(v, rows, stride, offset, i32::from_le_bytes),
-        Data::U32(v) if big => decode(v, rows, stride, offset, u32::from_be_bytes),
-        Data::U32(v) => decode(v, rows, stride, offset, u32::from_le_bytes),
-        Data::I64(v) if big => decode(v, rows, stride, offset, i64::from_be_bytes),
-        Data::I64(v) => decode(v, rows, stride, offset, i64::from_le_bytes),
-        Data::U64(v) if big => decode(v, rows, stride, offset, u64::from_be_bytes),
-        Data::U64(v) => decode(v, rows, stride, offset, u64::from_le_bytes),
-        Data::F32(v) if big => decode(v, rows, stride, offset, f32::from_be_bytes),
-        Data::F32(v) => decode(v, rows, stride, offset, f32::from_le_bytes),
-        Data::F64(v) if big => decode(v, rows, stride, offset, f64::from_be_bytes),
-        Data::F64(v) => decode(v, rows, stride, offset, f64::from_le_bytes),
+        Data::I8(v) => decode(v, rows, (stride, offset), order, i8::from_le_bytes),
+        Data::U8(v) => decode(v, rows, (stride, offset), order, u8::from_le_bytes),
+        Data::I16(v) => decode(v, rows, (stride, offset), order, i16::from_le_bytes),
+        Data::U16(v) => decode(v, rows, (stride, offset), order, u16::from_le_bytes),
+        Data::I32(v) => decode(v, rows, (stride, offset), order, i32::from_le_bytes),
+        Data::U32(v) => decode(v, rows, (stride, offset), order, u32::from_le_bytes),
+        Data::I64(v) => decode(v, rows, (stride, offset), order, i64::from_le_bytes),
+        Data::U64(v) => decode(v, rows, (stride, offset), order, u64::from_le_bytes),
+        Data::F32(v) => decode(v, rows, (stride, offset), order, f32::from_le_bytes),
+        Data::F64(v) => decode(v, rows, (stride, offset), order, f64::from_le_bytes),
         Data::Text(_) => {}
     }
 }
@@ -45,12 +36,21 @@ pub(crate) fn append(column: &mut Data, rows: &[u8], stride: usize, offset: usiz
 fn decode<T, const N: usize>(
     out: &mut Vec<T>,
     rows: &[u8],
-    stride: usize,
-    offset: usize,
+    (stride, offset): (usize, usize),
+    order: Order,
     number: impl Fn([u8; N]) -> T,
 ) {
     let field = |row: &[u8]| row.get(offset..).and_then(|rest| rest.first_chunk::<N>().copied());
-    out.extend(rows.chunks_exact(stride).filter_map(field).map(number));
+    let fields = rows.chunks_exact(stride).filter_map(field);
+    match order {
+        Order::Little => out.extend(fields.map(number)),
+        Order::Big => out.extend(fields.map(reversed).map(number)),
+    }
+}
+
+fn reversed<const N: usize>(mut bytes: [u8; N]) -> [u8; N] {
+    bytes.reverse();
+    bytes
 }
 
 /// Writes the rows of columns of equal length; text is left out.
@@ -79,26 +79,17 @@ type Rows = std::ops::Range<usize>;
 
 /// Puts `rows` of one column into their places in a block of rows.
 fn scatter(data: &Data, rows: Rows, block: &mut [u8], place: (usize, usize), order: Order) {
-    let big = order == Order::Big;
     match data {
-        Data::I8(v) => encode(v.get(rows), block, place, i8::to_le_bytes),
-        Data::U8(v) => encode(v.get(rows), block, place, u8::to_le_bytes),
-        Data::I16(v) if big => encode(v.get(rows), block, place, i16::to_be_bytes),
-        Data::I16(v) => encode(v.get(rows), block, place, i16::to_le_bytes),
-        Data::U16(v) if big => encode(v.get(rows), block, place, u16::to_be_bytes),
-        Data::U16(v) => encode(v.get(rows), block, place, u16::to_le_bytes),
-        Data::I32(v) if big => encode(v.get(rows), block, place, i32::to_be_bytes),
-        Data::I32(v) => encode(v.get(rows), block, place, i32::to_le_bytes),
-        Data::U32(v) if big => encode(v.get(rows), block, place, u32::to_be_bytes),
-        Data::U32(v) => encode(v.get(rows), block, place, u32::to_le_bytes),
-        Data::I64(v) if big => encode(v.get(rows), block, place, i64::to_be_bytes),
-        Data::I64(v) => encode(v.get(rows), block, place, i64::to_le_bytes),
-        Data::U64(v) if big => encode(v.get(rows), block, place, u64::to_be_bytes),
-        Data::U64(v) => encode(v.get(rows), block, place, u64::to_le_bytes),
-        Data::F32(v) if big => encode(v.get(rows), block, place, f32::to_be_bytes),
-        Data::F32(v) => encode(v.get(rows), block, place, f32::to_le_bytes),
-        Data::F64(v) if big => encode(v.get(rows), block, place, f64::to_be_bytes),
-        Data::F64(v) => encode(v.get(rows), block, place, f64::to_le_bytes),
+        Data::I8(v) => encode(v.get(rows), block, place, order, i8::to_le_bytes),
+        Data::U8(v) => encode(v.get(rows), block, place, order, u8::to_le_bytes),
+        Data::I16(v) => encode(v.get(rows), block, place, order, i16::to_le_bytes),
+        Data::U16(v) => encode(v.get(rows), block, place, order, u16::to_le_bytes),
+        Data::I32(v) => encode(v.get(rows), block, place, order, i32::to_le_bytes),
+        Data::U32(v) => encode(v.get(rows), block, place, order, u32::to_le_bytes),
+        Data::I64(v) => encode(v.get(rows), block, place, order, i64::to_le_bytes),
+        Data::U64(v) => encode(v.get(rows), block, place, order, u64::to_le_bytes),
+        Data::F32(v) => encode(v.get(rows), block, place, order, f32::to_le_bytes),
+        Data::F64(v) => encode(v.get(rows), block, place, order, f64::to_le_bytes),
         Data::Text(_) => {}
     }
 }
@@ -107,11 +98,13 @@ fn encode<T: Copy, const N: usize>(
     values: Option<&[T]>,
     block: &mut [u8],
     (stride, offset): (usize, usize),
+    order: Order,
     bytes: impl Fn(T) -> [u8; N],
 ) {
     for (value, row) in values.unwrap_or_default().iter().zip(block.chunks_exact_mut(stride)) {
         if let Some(place) = row.get_mut(offset..offset + N) {
-            place.copy_from_slice(&bytes(*value));
+            let little = bytes(*value);
+            place.copy_from_slice(&if order == Order::Big { reversed(little) } else { little });
         }
     }
 }
