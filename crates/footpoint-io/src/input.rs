@@ -138,6 +138,9 @@ fn keep_within(input: &mut Input, bounds: &Bounds) -> Result<(), ReadProblem> {
         }
     };
     table.columns.iter_mut().for_each(|column| column.data.keep(&inside));
+    // What is outside is not missing.
+    let outside = inside.iter().filter(|inside| !**inside).count() as u64;
+    input.report.stated_rows = input.report.stated_rows.map(|stated| stated.saturating_sub(outside));
     Ok(())
 }
 

@@ -32,6 +32,10 @@ fn a_box_keeps_the_points_inside_and_their_columns() {
     let within = Some(Bounds { low: [0.5; 3], high: [2.0; 3] });
     let input = read_with(&sample.path, &ReadOptions { within, watch: None }).unwrap();
     assert_eq!(input.table.column("label").unwrap().data, Data::F64(vec![6.0, 7.0]));
+    let counted = Sample::new("points.pts", "4\n0 0 0\n2 2 2\n1 1 1\n");
+    let input = read_with(&counted.path, &ReadOptions { within, watch: None }).unwrap();
+    // One is missing; the one outside is not.
+    assert_eq!((input.table.rows(), input.report.stated_rows), (2, Some(3)));
     let plane = Sample::new("points.xy", "0 0\n2 2\n1 1\n");
     let input = read_with(&plane.path, &ReadOptions { within, watch: None }).unwrap();
     assert_eq!(input.table.column("x").unwrap().data, Data::F64(vec![2.0, 1.0]));
