@@ -11,13 +11,7 @@ fn results_may_go_unread() {
     let folder = Folder::new();
     folder.write("cloud.csv", sphere_csv(500));
     for words in ["info cloud.csv", "info cloud.csv --json", "normals cloud.csv -o n.csv --force --json"] {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_footpoint"))
-            .args(words.split(' '))
-            .current_dir(folder.path(""))
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = folder.start(words);
         // Closed before a byte is written.
         drop(child.stdout.take());
         let mut messages = String::new();

@@ -5,7 +5,7 @@ mod common;
 
 use common::{Folder, sphere_csv};
 use std::os::unix::fs::PermissionsExt;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 #[test]
@@ -15,13 +15,7 @@ fn an_interrupt_ends_with_130_soon_and_leaves_nothing() {
     let before = folder.listing();
     for words in ["render cloud.csv --size 8000x6000 --samples 16", "project cloud.csv -o p.ply --auto 3000"]
     {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_footpoint"))
-            .args(words.split(' '))
-            .current_dir(folder.path(""))
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = folder.start(words);
         std::thread::sleep(Duration::from_millis(300));
         let told = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
         let since = Instant::now();

@@ -6,7 +6,7 @@
 use footpoint_io::Table;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 use tempfile::TempDir;
 
 /// What a call of the command left on its streams.
@@ -85,6 +85,17 @@ impl Folder {
             assert!(!stream.contains("panicked") && !stream.contains("RUST_BACKTRACE"), "{words}: {ran:?}");
         }
         ran
+    }
+
+    /// Starts it with both streams in our hands.
+    pub(crate) fn start(&self, words: &str) -> Child {
+        Command::new(env!("CARGO_BIN_EXE_footpoint"))
+            .args(words.split(' '))
+            .current_dir(self.path(""))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
     }
 
     /// Runs it and expects success with nothing on standard output.
