@@ -2,7 +2,6 @@
 
 mod common;
 mod distance;
-mod files;
 mod project;
 mod render;
 

@@ -60,7 +60,8 @@ fn run(verb: &Verb) -> ExitCode {
     let stage = |stage: Stage<'_>| progress.begin(stage);
     let run = Run::new().threads(common.threads).cancel(&cancelled).progress(&report);
     let result = verb.recipe().and_then(|recipe| {
-        let context = Context { recipe, overwrite: common.overwrite(), run, stage: Some(&stage) };
+        let context =
+            Context { recipe, overwrite: common.overwrite(), mode: common.mode(), run, stage: Some(&stage) };
         work(verb, &context)
     });
     progress.finish();
@@ -79,10 +80,6 @@ fn fail(problem: &str, code: u8) -> ExitCode {
 
 /// Runs the job of a verb.
 fn work(verb: &Verb, context: &Context<'_>) -> Result<Report, String> {
-    if verb.common().dry_run {
-        let (job, files) = verb.files()?;
-        return jobs::dry_run(job, &files, context).map_err(|error| explain(&error));
-    }
     let done = match verb {
         Verb::Demo(a) => jobs::demo(&a.plan(), context),
         Verb::Info(a) => jobs::info(&a.input, context),

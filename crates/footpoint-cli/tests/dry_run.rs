@@ -39,12 +39,30 @@ fn nothing_is_written_and_the_plan_is_told() {
 fn problems_show_as_they_would() {
     let folder = Folder::new();
     folder.write("cloud.csv", sphere_csv(50));
+    folder.write("plane.csv", "x,y\n0,0\n1,0\n0,1\n1,1\n");
+    folder.write("named.csv", "x,y,z,name\n0,0,0,a\n1,0,0,b\n");
     for words in [
         "normals missing.csv -o n.ply",
         "normals cloud.csv -o cloud.csv",
         "normals cloud.csv -o nowhere/deep/n.docx",
         "normals cloud.csv -o n.ply --support-column r",
         "project cloud.csv --onto missing.csv -o p.ply",
+        "project cloud.csv --onto plane.csv -o p.ply",
+        "project cloud.csv -o p.obj",
+        "project named.csv -o p.ply",
+        "project cloud.csv --onto cloud.csv -o p.ply --noise 0.1 --query-noise nowhere",
+        "distance cloud.csv --to cloud.csv -o p.obj",
+        "distance cloud.csv --to cloud.csv -o p.ply --registration-error 1",
+        "evaluate cloud.csv --at cloud.csv -o e.obj",
+        "evaluate cloud.csv --at cloud.csv -o e.ply --columns sigma",
+        "orient cloud.csv -o o.ply --towards 1,2",
+        "orient cloud.csv -o o.ply --sensor-columns a,b,c",
+        "render cloud.csv -o cloud.jpeg",
+        "render cloud.csv -o cloud.png --mask cloud.png",
+        "render plane.csv",
+        "render cloud.csv --attribute nothing",
+        "figure 3 plane.csv -o figures",
+        "figure 1 cloud.csv -o figures",
     ] {
         let (dry, real) = (folder.run(&format!("{words} --dry-run")), folder.run(words));
         assert_eq!(dry.code, 2, "{words}: {dry:?}");

@@ -10,7 +10,7 @@ use crate::report::Report;
 use crate::scan::{ScanPlan, Vessel, scan};
 use crate::{Context, JobError, Stage};
 use footpoint::{Cloud, Project, Queries, Status, Surface, Want};
-use footpoint_io::{Column, Data, Table, check_file};
+use footpoint_io::{Column, Data, Table};
 use footpoint_render::{RenderError, Shading, Wish, triptych, write_image};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ const PICTURES: [&str; 2] = ["picture.png", "triptych.png"];
 
 impl DemoPlan {
     /// The files that are written.
-    pub fn files(&self) -> Vec<PathBuf> {
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
         let pictures = PICTURES.iter().filter(|_| self.picture_width > 0);
         CLOUDS.iter().chain(pictures).map(|name| self.folder.join(name)).collect()
     }
@@ -64,12 +64,12 @@ pub fn demo(plan: &DemoPlan, context: &Context<'_>) -> Result<Report, JobError> 
     plan.scan.check()?;
     let mut report = Report::new("demo", context.recipe.clone());
     let how: Project = *report.recipe.project.get_or_insert_default();
-    let made = std::fs::create_dir_all(&plan.folder);
-    made.map_err(|problem| JobError::Folder { path: plan.folder.clone(), problem })?;
     let files = CLOUDS.map(|name| plan.folder.join(name));
     let pictures = PICTURES.map(|name| plan.folder.join(name));
-    for file in plan.files() {
-        check_file(&file, context.overwrite)?;
+    context.prepare_folder(&plan.folder, &plan.files())?;
+    if context.is_dry() {
+        context.plan(&plan.files(), &mut report);
+        return Ok(report);
     }
 
     // The simulation stands where other jobs read a file.

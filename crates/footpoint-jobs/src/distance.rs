@@ -93,6 +93,10 @@ fn run<const D: usize>(
     context: &Context<'_>,
     mut report: Report,
 ) -> Result<Report, JobError> {
+    let noise = queries.query_noise::<D>(&context.recipe)?;
+    if context.ends_before(cloud, &[output], &mut report)? {
+        return Ok(report);
+    }
     let mut surface = cloud.surface::<D>(context, &mut report)?;
     let has_sigma = context.recipe.noise.is_some();
     if !has_sigma {
@@ -101,7 +105,7 @@ fn run<const D: usize>(
     }
     let search = Search {
         project: report.recipe.project.unwrap_or_default(),
-        noise: queries.query_noise::<D>(&context.recipe)?,
+        noise,
         registration: context.recipe.registration.unwrap_or(0.0),
         largest: context.recipe.largest_distance.unwrap_or(f64::INFINITY),
     };

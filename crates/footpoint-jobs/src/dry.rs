@@ -1,45 +1,58 @@
-//! A dry run: what a job would read, compute and write, without computing or writing.
+//! A dry run: a job ends where its work would begin, after all that it reads and checks.
 
 use crate::load::Loaded;
 use crate::report::Report;
 use crate::{Context, JobError};
-use footpoint_io::{check_file, check_writable};
+use footpoint_io::check_file;
 use std::path::{Path, PathBuf};
 
-/// The files of a job.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Files {
-    /// Point files to read, in the order of the job.
-    pub reads: Vec<PathBuf>,
-    /// Point files to write.
-    pub clouds: Vec<PathBuf>,
-    /// Pictures to write.
-    pub pictures: Vec<PathBuf>,
-    /// Whether the job makes the folder that it writes to.
-    pub makes_folder: bool,
+/// What a job is to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Its work.
+    #[default]
+    Work,
+    /// To read, to check and to tell what it would do, with the errors of the work itself. What is wrong with a
+    /// surface shows only when it is made.
+    DryRun,
 }
 
-/// Reads what the job would read and checks that it could write what it would, and reports both with the recipe.
-///
-/// Fails as the job would on files and columns; problems of the surface show only when it is made.
-pub fn dry_run(job: &'static str, files: &Files, context: &Context<'_>) -> Result<Report, JobError> {
-    let mut report = Report::new(job, context.recipe.clone());
-    report.dry_run = true;
-    let later = |path: &Path| files.makes_folder && !path.parent().is_some_and(Path::is_dir);
-    for path in files.clouds.iter().filter(|path| !later(path)) {
-        check_writable(path, context.overwrite)?;
+impl Context<'_> {
+    /// Whether nothing is to be computed or written.
+    pub(crate) fn is_dry(&self) -> bool {
+        self.mode == Mode::DryRun
     }
-    for path in files.pictures.iter().filter(|path| !later(path)) {
-        check_file(path, context.overwrite)?;
-    }
-    report.outputs.extend(files.clouds.iter().chain(&files.pictures).map(|path| path.display().to_string()));
-    for (i, path) in files.reads.iter().enumerate() {
-        let loaded = Loaded::read(path, context, &mut report)?;
-        report.inputs.push(loaded.report());
-        // The surface's columns are asked for in the file that defines it.
-        if i == 0 {
-            loaded.check_columns(&context.recipe)?;
+
+    /// Whether the job ends here, with its plan in the report; fails where the surface's file lacks a column.
+    pub(crate) fn ends_before<P: AsRef<Path>>(
+        &self,
+        surface: &Loaded,
+        outputs: &[P],
+        report: &mut Report,
+    ) -> Result<bool, JobError> {
+        if self.is_dry() {
+            surface.check_columns(&self.recipe)?;
+            self.plan(outputs, report);
         }
+        Ok(self.is_dry())
     }
-    Ok(report)
+
+    /// Says in the report that these files would be written.
+    pub(crate) fn plan<P: AsRef<Path>>(&self, outputs: &[P], report: &mut Report) {
+        report.dry_run = true;
+        report.outputs.extend(outputs.iter().map(|path| path.as_ref().display().to_string()));
+    }
+
+    /// Makes a folder, unless nothing is to be written, and checks the files that it will take.
+    pub(crate) fn prepare_folder(&self, folder: &Path, files: &[PathBuf]) -> Result<(), JobError> {
+        if self.is_dry() && !folder.exists() {
+            return Ok(());
+        }
+        let made = std::fs::create_dir_all(folder);
+        made.map_err(|problem| JobError::Folder { path: folder.to_owned(), problem })?;
+        for file in files {
+            check_file(file, self.overwrite)?;
+        }
+        Ok(())
+    }
 }

@@ -79,6 +79,9 @@ fn run<const D: usize>(
     if extra.contains(&Extra::Sigma) && context.recipe.noise.is_none() {
         return Err(JobError::NoNoise);
     }
+    if context.ends_before(loaded, &[output], &mut report)? {
+        return Ok(report);
+    }
     let surface = loaded.surface::<D>(context, &mut report)?;
     let want = USUAL.into_iter().chain(extra.iter().map(|e| e.want())).reduce(|a, b| a | b);
     let points = at.points::<D>();

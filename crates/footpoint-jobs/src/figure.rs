@@ -2,9 +2,9 @@
 
 use crate::clock::timed;
 use crate::report::Report;
-use crate::triptych::triptych;
+use crate::triptych::{read_space, triptych};
 use crate::{Context, JobError};
-use footpoint_io::{check_file, write_file};
+use footpoint_io::write_file;
 use footpoint_render::figure::{self, FigureError};
 use std::io::Write;
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ const IN_SPACE: u8 = 3;
 
 impl FigurePlan {
     /// The files that are written.
-    pub fn files(&self) -> Vec<PathBuf> {
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
         self.numbers().into_iter().map(|number| self.place(number)).collect()
     }
 
@@ -63,14 +63,17 @@ pub fn figure(plan: &FigurePlan, context: &Context<'_>) -> Result<Report, JobErr
     if let (Some(_), Some(&number), false) = (&plan.input, numbers.first(), in_space) {
         return Err(JobError::NoInput(number));
     }
-    let made = std::fs::create_dir_all(&plan.folder);
-    made.map_err(|problem| JobError::Folder { path: plan.folder.clone(), problem })?;
-    for file in plan.files() {
-        check_file(&file, context.overwrite)?;
-    }
+    context.prepare_folder(&plan.folder, &plan.files())?;
     let place = |number: u8| plan.place(number);
     numbers.retain(|&number| number != IN_SPACE);
     let mut report = Report::new("figure", context.recipe.clone());
+    if context.is_dry() {
+        if let Some(path) = &plan.input {
+            read_space(path, context, &mut report)?.check_columns(&context.recipe)?;
+        }
+        context.plan(&plan.files(), &mut report);
+        return Ok(report);
+    }
     let drawn = timed(&mut report.times.compute, || {
         let draw =
             |&number: &u8| figure::figure(number, &context.run).map_err(|problem| failed(number, problem));

@@ -28,7 +28,7 @@ mod triptych;
 pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
 pub use distance::{Coloured, DistanceReport, Histogram, Quantile, distance};
-pub use dry::{Files, dry_run};
+pub use dry::Mode;
 pub use evaluate::{Extra, evaluate};
 pub use figure::{FigurePlan, Which, figure};
 pub use info::{InfoReport, NormalsReport, info};
@@ -59,6 +59,8 @@ pub struct Context<'r> {
     pub recipe: Recipe,
     /// What to do about output files that exist.
     pub overwrite: Overwrite,
+    /// Whether to do it, or only to tell.
+    pub mode: Mode,
     /// Threads, progress, cancelling.
     pub run: Run<'r>,
     /// Told of each stage as it begins; the run's progress is its own from then on.

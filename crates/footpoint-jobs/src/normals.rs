@@ -57,6 +57,9 @@ fn run<const D: usize>(
     context: &Context<'_>,
     mut report: Report,
 ) -> Result<Report, JobError> {
+    if context.ends_before(&loaded, &[output], &mut report)? {
+        return Ok(report);
+    }
     let surface = loaded.surface::<D>(context, &mut report)?;
     let (choice, bending) = choice;
     let mut want = match choice {

@@ -88,7 +88,6 @@ fn run<const D: usize>(
     mut report: Report,
 ) -> Result<Report, JobError> {
     let columns = Columns::<D>::of(&loaded, &plan.by, context, &mut report)?;
-    let surface = loaded.surface::<D>(context, &mut report)?;
     let how = match &plan.by {
         OrientBy::Towards(point) => Orient::Towards(vector("the viewpoint", point)?),
         OrientBy::Along(axis) => Orient::Along(vector("the axis", axis)?),
@@ -96,6 +95,10 @@ fn run<const D: usize>(
         OrientBy::Trajectory { .. } => Orient::Trajectory { times: &columns.times, path: &columns.path },
         OrientBy::Propagated(non_orientable) => Orient::Propagated(*non_orientable),
     };
+    if context.ends_before(&loaded, &[output], &mut report)? {
+        return Ok(report);
+    }
+    let surface = loaded.surface::<D>(context, &mut report)?;
     let result = timed(&mut report.times.compute, || surface.with(&context.run).orient(plan.normals, &how));
     let found = result.map_err(|problem| match problem {
         OrientError::Cancelled(_) => JobError::Cancelled,

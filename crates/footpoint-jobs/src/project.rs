@@ -43,7 +43,12 @@ fn run<const D: usize>(
     mut report: Report,
 ) -> Result<Report, JobError> {
     let how: Project = report.recipe.project.unwrap_or_default();
-    let surface = onto.as_ref().unwrap_or(&points).surface::<D>(context, &mut report)?;
+    let cloud = onto.as_ref().unwrap_or(&points);
+    let noise = points.query_noise(&context.recipe)?;
+    if context.ends_before(cloud, &[output], &mut report)? {
+        return Ok(report);
+    }
+    let surface = cloud.surface::<D>(context, &mut report)?;
     let foreign = onto.is_some().then(|| points.points::<D>());
     let queries = foreign.as_deref().map_or(Queries::Samples, Queries::Points);
     let running = surface.with(&context.run);
@@ -51,7 +56,7 @@ fn run<const D: usize>(
         (timed(&mut report.times.compute, || running.project(queries, &how))?, None)
     } else {
         let mut uncertainty = Uncertainty::new().with_project(how);
-        if let Some(noise) = points.query_noise(&context.recipe)? {
+        if let Some(noise) = noise {
             uncertainty = uncertainty.with_query_noise(noise);
         }
         let found = timed(&mut report.times.compute, || running.uncertainty(queries, &uncertainty))

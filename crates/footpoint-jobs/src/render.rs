@@ -87,7 +87,7 @@ impl Default for RenderPlan {
 
 impl RenderPlan {
     /// The files that are written, the picture first: the input's name with `.png` if `output` names none.
-    pub fn files(&self, input: &Path, output: Option<&Path>) -> Vec<PathBuf> {
+    pub(crate) fn files(&self, input: &Path, output: Option<&Path>) -> Vec<PathBuf> {
         let picture = output.map_or_else(|| picture_name(input), Path::to_owned);
         let planes = [&self.depth, &self.normals, &self.mask].into_iter().flatten();
         [picture].into_iter().chain(planes.cloned()).collect()
@@ -150,7 +150,7 @@ pub fn render(
             let other = Loaded::read(path, context, &mut report)?;
             report.inputs.push(other.report());
             loaded.check_dimension(&other)?;
-            Some(other.surface::<3>(context, &mut report)?)
+            Some(other)
         }
         _ => None,
     };
@@ -162,6 +162,13 @@ pub fn render(
         Show::Colour => colours(&loaded)?,
         _ => Vec::new(),
     };
+    if let Some(other) = other.as_ref().filter(|_| context.is_dry()) {
+        other.check_columns(&context.recipe)?;
+    }
+    if context.ends_before(&loaded, &files, &mut report)? {
+        return Ok(report);
+    }
+    let other = other.map(|other| other.surface::<3>(context, &mut report)).transpose()?;
     let surface = loaded.surface::<3>(context, &mut report)?;
     let (shading, name, title) = match &plan.show {
         Show::Surface => (Shading::Surface, "surface", ""),

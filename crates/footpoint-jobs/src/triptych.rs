@@ -29,9 +29,7 @@ pub fn triptych(
     let mut report = Report::new("figure", context.recipe.clone());
     let (surface, name) = match input {
         Some(path) => {
-            let loaded = Loaded::read(path, context, &mut report)?;
-            report.inputs.push(loaded.report());
-            loaded.check_space()?;
+            let loaded = read_space(path, context, &mut report)?;
             (loaded.surface::<3>(context, &mut report)?, path.display().to_string())
         }
         None => {
@@ -70,4 +68,16 @@ pub fn triptych(
     });
     put(&mut report, output, context, &|out| write_image(&drawn.image, out))?;
     Ok(report)
+}
+
+/// Reads a file of points in space.
+pub(crate) fn read_space(
+    path: &Path,
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<Loaded, JobError> {
+    let loaded = Loaded::read(path, context, report)?;
+    report.inputs.push(loaded.report());
+    loaded.check_space()?;
+    Ok(loaded)
 }

@@ -4,7 +4,7 @@ use super::share;
 use crate::print::Verbosity;
 use clap::{ArgAction, Args, ValueEnum};
 use footpoint_jobs::{
-    DegreeAim, Kind, NoiseSource, NormalField, Overwrite, Precision, Recipe, Support, Weight, recipe_of,
+    DegreeAim, Kind, Mode, NoiseSource, NormalField, Overwrite, Precision, Recipe, Support, Weight, recipe_of,
 };
 use std::path::PathBuf;
 
@@ -169,6 +169,10 @@ impl Common {
             || self.auto.is_some()
             || self.per_sample.is_some()
             || self.support_column.is_some()
+    }
+
+    pub(crate) fn mode(&self) -> Mode {
+        if self.dry_run { Mode::DryRun } else { Mode::Work }
     }
 
     pub(crate) fn overwrite(&self) -> Overwrite {

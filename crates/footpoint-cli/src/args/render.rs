@@ -126,10 +126,6 @@ enum CameraName {
 
 impl RenderArguments {
     /// The cloud, and the one that distances are measured to.
-    pub(super) fn files_read(&self) -> Vec<PathBuf> {
-        [&self.input].into_iter().chain(&self.to).cloned().collect()
-    }
-
     pub(crate) fn plan(&self) -> Result<RenderPlan, String> {
         if self.view_height.is_some() && self.camera == CameraName::Perspective {
             return Err("--view-height belongs to --camera orthographic".to_owned());
