@@ -1,6 +1,7 @@
 //! Reports in words.
 
 mod distance;
+mod plan;
 
 use footpoint_jobs::{
     DegreeAim, DegreeChoice, InfoReport, NoiseSource, Projection, RenderReport, Report, Status,
@@ -161,12 +162,10 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         writeln!(out, "{wrote} {output}")?;
     }
     if report.dry_run {
-        let definition = serde_json::to_string(&report.recipe.definition).unwrap_or_default();
-        writeln!(
-            out,
-            "would compute `{}` with the definition {definition}\ndry run: nothing was computed or written",
-            report.job
-        )?;
+        if !report.inputs.is_empty() {
+            writeln!(out, "would compute `{}`: {}", report.job, plan::surface(&report.recipe.definition))?;
+        }
+        writeln!(out, "dry run: nothing was computed or written")?;
     }
     let t = &report.times;
     write!(out, "seconds: read {:.2}, index {:.2}", t.read.wall_seconds, t.index.wall_seconds)?;
