@@ -118,11 +118,12 @@ fn finish(verb: &Verb, report: &Report) -> Result<ExitCode, String> {
     let allowed = common.strict.unwrap_or(f64::INFINITY) * report.points as f64;
     let mut strict = report.not_ok() as f64 > allowed;
     if strict {
-        messages += &format!("strict: {} of {} points are not ok\n", report.not_ok(), report.points);
+        messages += &format!("strict: {} of {} points not ok\n", report.not_ok(), report.points);
     }
     for input in report.inputs.iter().filter(|input| input.missing_points > 0 && common.strict.is_some()) {
         strict = true;
-        messages += &format!("strict: {}: {} points are missing\n", input.path, input.missing_points);
+        messages +=
+            &format!("strict: {}: {} missing\n", input.path, print::count(input.missing_points, "point"));
     }
     print_out(&results)?;
     // The result stands in the file even if nobody reads the messages.

@@ -6,7 +6,7 @@ mod plan;
 use footpoint_jobs::{
     DegreeAim, DegreeChoice, InfoReport, NoiseSource, Projection, RenderReport, Report, Status,
 };
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// How much to say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,18 +42,22 @@ pub(crate) fn report(report: &Report, verbosity: Verbosity) -> String {
     text
 }
 
+/// `1 point`, `2 points`.
+pub(crate) fn count<N: Display + From<u8> + PartialEq>(number: N, what: &str) -> String {
+    let plural = if number == N::from(1) { "" } else { "s" };
+    format!("{number} {what}{plural}")
+}
+
 fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt::Result {
     for input in &report.inputs {
-        writeln!(out, "{}: {} points, {}-D, {}", input.path, input.points, input.dimension, input.format)?;
+        let points = count(input.points, "point");
+        writeln!(out, "{}: {points}, {}-D, {}", input.path, input.dimension, input.format)?;
         if input.not_finite > 0 {
-            writeln!(
-                out,
-                "  {} points are not finite and keep their place without an answer",
-                input.not_finite
-            )?;
+            let points = count(input.not_finite, "point");
+            writeln!(out, "  {points} not finite, kept in place without an answer")?;
         }
         if input.missing_points > 0 {
-            writeln!(out, "  {} points that the file states are not in it", input.missing_points)?;
+            writeln!(out, "  {} missing: the file states more", count(input.missing_points, "point"))?;
         }
         if let Some(crs) = &input.crs {
             // Well-known text begins with what it is.
@@ -97,7 +101,7 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
             writeln!(out, "noise of the samples {}, estimated from the residuals", short(sigma))?;
         }
         if surface.samples_absent > 0 {
-            writeln!(out, "{} samples do not take part", surface.samples_absent)?;
+            writeln!(out, "{} left out of the surface", count(surface.samples_absent, "sample"))?;
         }
         if verbosity == Verbosity::Verbose {
             let definition = serde_json::to_string(&report.recipe.definition).unwrap_or_default();
@@ -131,7 +135,8 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         )?;
         if found.components > 0 {
             let largest = found.largest.first().map_or(0, |component| component.samples);
-            writeln!(out, "  {} components, the largest of {largest} samples", found.components)?;
+            let (components, largest) = (count(found.components, "component"), count(largest, "sample"));
+            writeln!(out, "  {components}, the largest of {largest}")?;
         }
         if found.non_orientable > 0 {
             writeln!(

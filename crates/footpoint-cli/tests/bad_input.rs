@@ -104,7 +104,7 @@ fn numbers_that_are_none() {
     for (verb, kind) in [("normals", "csv"), ("project", "csv"), ("normals", "ply")] {
         let words = format!("{verb} holes.csv -o out.{kind} --force");
         let ran = folder.done(&words);
-        assert!(ran.stderr.contains("3 points are not finite"), "{}", ran.stderr);
+        assert!(ran.stderr.contains("3 points not finite"), "{}", ran.stderr);
         assert!(ran.stderr.contains("297 ok, 3 invalid"), "{}", ran.stderr);
         if kind == "csv" {
             let (before, after) = (folder.csv("holes.csv"), folder.csv("out.csv"));
@@ -268,8 +268,8 @@ fn points_that_a_file_states_and_does_not_hold_are_told_and_are_not_strict() {
     folder.write("cut.pts", "4\n0 0 0\n1 0 0\n0 1 0\n");
     let ran = folder.run("info cut.pts");
     assert_eq!(ran.code, 0);
-    assert!(ran.stdout.contains("1 points that the file states are not in it"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("1 point missing: the file states more"), "{}", ran.stdout);
     let strict = folder.run("info cut.pts --strict=100%");
     assert_eq!(strict.code, 1, "{strict:?}");
-    assert!(strict.stderr.contains("strict: cut.pts: 1 points are missing"), "{strict:?}");
+    assert!(strict.stderr.contains("strict: cut.pts: 1 point missing"), "{strict:?}");
 }

@@ -1,6 +1,6 @@
 //! Distances in words, with their histogram in bars.
 
-use super::short;
+use super::{count, short};
 use footpoint_jobs::{DistanceReport, Histogram};
 use std::fmt::{Result, Write};
 
@@ -9,7 +9,7 @@ const WIDTH: f64 = 40.0;
 
 pub(super) fn describe(out: &mut String, found: &DistanceReport) -> Result {
     let kind = if found.signed { "signed by the cloud's normals" } else { "without sign" };
-    writeln!(out, "distances, {kind}: {} points", found.answered)?;
+    writeln!(out, "distances, {kind}: {}", count(found.answered, "point"))?;
     if found.walked > 0 {
         writeln!(out, "  {} of them beyond the projection, reached along the surface", found.walked)?;
     }
