@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use bolero::TypeGenerator;
-use footpoint_io::{Column, Data, Overwrite, Table, WriteOptions, read, write};
+use footpoint_io::{Bounds, Column, Data, Overwrite, ReadOptions, Table, WriteOptions, read_with, write};
 use tempfile::TempDir;
 
 /// No damaged small file may take longer.
@@ -76,13 +76,14 @@ pub(crate) struct Target {
     seal: Option<Seal>,
     /// Where the points of a file start.
     body: Option<fn(&[u8]) -> usize>,
+    within: Option<Bounds>,
 }
 
 type Seal = fn(&[u8], Vec<u8>) -> Vec<u8>;
 
 impl Target {
     pub(crate) fn new() -> Self {
-        Self { files: Vec::new(), folder: tempfile::tempdir().unwrap(), seal: None, body: None }
+        Self { files: Vec::new(), folder: tempfile::tempdir().unwrap(), seal: None, body: None, within: None }
     }
 
     /// Its files are damaged as they are given and brought into their final form afterwards.
@@ -95,6 +96,12 @@ impl Target {
     #[allow(dead_code, reason = "not all formats have a header that is easily broken")]
     pub(crate) fn behind(self, body: fn(&[u8]) -> usize) -> Self {
         Self { body: Some(body), ..self }
+    }
+
+    /// Only a box of its files is read.
+    #[allow(dead_code, reason = "one format has an octree")]
+    pub(crate) fn within(self, within: Bounds) -> Self {
+        Self { within: Some(within), ..self }
     }
 
     /// With a file of this name and content.
@@ -127,7 +134,7 @@ impl Target {
         let path: PathBuf = self.folder.path().join(name);
         std::fs::write(&path, &bytes).unwrap();
         let start = Instant::now();
-        let read = read(&path);
+        let read = read_with(&path, &ReadOptions { within: self.within, watch: None });
         assert!(start.elapsed() < LONGEST, "reading took {:?}", start.elapsed());
         match read {
             Ok(input) => check(&input.table, bytes.len()),
