@@ -99,6 +99,9 @@ fn explain(error: &JobError) -> String {
     if error.is_existing_output() {
         return format!("{error} (--force overwrites it)");
     }
+    if error.is_no_coordinate() {
+        return format!("{error} (--within finite does)");
+    }
     error.to_string()
 }
 

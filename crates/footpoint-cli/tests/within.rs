@@ -39,3 +39,18 @@ fn a_part_of_a_survey_in_copc() {
     assert_eq!(part["inputs"][0]["points"], inside);
     assert_eq!(part["inputs"][0]["missing_points"], 0, "what is outside is not missing");
 }
+
+#[test]
+fn points_without_coordinates_can_be_left_out() {
+    let folder = Folder::new();
+    let whole = sphere_csv(300);
+    folder.write("cloud.csv", &whole);
+    folder.write("holes.csv", format!("{}\n", whole.trim_end()) + "nan,0,0,0,0,1\n0,inf,0,0,0,1\n");
+    let refused = folder.run("normals holes.csv -o n.laz");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("leave the point out (--within finite does)"), "{refused:?}");
+    let left = folder.report("normals holes.csv -o n.laz --within finite");
+    assert_eq!((left["points"].as_u64(), left["inputs"][0]["not_finite"].as_u64()), (Some(300), Some(0)));
+    folder.done("normals cloud.csv -o whole.laz");
+    assert_eq!(folder.table("n.laz").columns, folder.table("whole.laz").columns);
+}

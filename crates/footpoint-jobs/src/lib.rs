@@ -250,6 +250,12 @@ impl JobError {
     pub fn is_existing_output(&self) -> bool {
         matches!(self, Self::Write(error) if matches!(error.problem, footpoint_io::WriteProblem::Exists))
     }
+
+    /// Whether the output cannot hold a point without coordinates.
+    pub fn is_no_coordinate(&self) -> bool {
+        use footpoint_io::{LasMisfit::Coordinate, WriteProblem::Las};
+        matches!(self, Self::Write(error) if matches!(error.problem, Las(Coordinate { .. })))
+    }
 }
 
 impl From<footpoint::Cancelled> for JobError {

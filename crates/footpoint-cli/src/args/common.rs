@@ -34,8 +34,9 @@ pub(crate) struct Common {
     drop: Vec<String>,
     /// Read only the points inside this box: the lowest and the highest coordinates
     ///
-    /// Of every file, its faces included; of a COPC file no more is read than that. Points in the plane have any height.
-    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true, hide_short_help = true)]
+    /// Of every file, its faces included; of a COPC file no more is read than that. Points in the plane have any height. `finite` is
+    /// the box of all numbers: it leaves out points whose coordinates are none.
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z|finite", value_parser = corners, allow_hyphen_values = true, hide_short_help = true)]
     within: Option<[[f64; 3]; 2]>,
     /// Noise of the samples, for sigma: a number, a column, or `auto`
     ///
@@ -297,10 +298,13 @@ fn degree(text: &str) -> Result<DegreeName, String> {
 
 /// Two corners of a box.
 fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
+    if text == "finite" {
+        return Ok([[f64::MIN; 3], [f64::MAX; 3]]);
+    }
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse::<f64>()).collect();
     match numbers.as_deref() {
         Ok(&[a, b, c, d, e, f]) if a <= d && b <= e && c <= f => Ok([[a, b, c], [d, e, f]]),
-        _ => Err("it must be six numbers: the lowest x, y, z, then the highest".to_owned()),
+        _ => Err("it must be six numbers, the lowest x, y, z, then the highest, or `finite`".to_owned()),
     }
 }
 
