@@ -58,7 +58,7 @@ impl Bar {
             Stage::Index => ("indexing".to_owned(), ""),
             Stage::Compute => ("computing".to_owned(), " points"),
             Stage::Draw => ("drawing".to_owned(), " rays"),
-            Stage::Write(path) => (format!("writing {}", name(path)), ""),
+            Stage::Write(path) => (format!("writing {}", name(path)), " points"),
             _ => return,
         };
         let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);

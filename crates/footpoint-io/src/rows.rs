@@ -53,8 +53,13 @@ fn reversed<const N: usize>(mut bytes: [u8; N]) -> [u8; N] {
     bytes
 }
 
-/// Writes the rows of columns of equal length; text is left out.
-pub(crate) fn write(out: &mut impl Write, columns: &[Cow<'_, Data>], order: Order) -> io::Result<()> {
+/// Writes the rows of columns of equal length and tells how many; text is left out.
+pub(crate) fn write(
+    out: &mut impl Write,
+    columns: &[Cow<'_, Data>],
+    order: Order,
+    written: impl Fn(usize) -> io::Result<()>,
+) -> io::Result<()> {
     let size = |data: &Cow<'_, Data>| Scalar::of(data).map_or(0, |scalar| scalar.size() as usize);
     let stride: usize = columns.iter().map(size).sum();
     let rows = columns.first().map_or(0, |data| data.len());
@@ -71,6 +76,7 @@ pub(crate) fn write(out: &mut impl Write, columns: &[Cow<'_, Data>], order: Orde
         }
         out.write_all(&block)?;
         start = end;
+        written(start)?;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! How fast LAZ is read, against the `las` crate used directly; for a quiet machine, so not among the usual tests.
+//! How fast LAZ is read, against the `las` crate used directly, and what memory it takes; `scripts/bench files` runs both.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests, which are exempt")]
 

@@ -1,5 +1,4 @@
-//! How fast files of 200 MB are read, in bytes a second of CPU time; run with
-//! `cargo test --release -p footpoint-io --test speed -- --ignored --nocapture --test-threads 1`.
+//! How fast files of 200 MB are read, in bytes a second of CPU time; `scripts/bench files` runs it.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests, which are exempt")]
@@ -26,7 +25,7 @@ fn cpu_seconds() -> f64 {
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Reads a file three times and takes the fastest; the first warms the cache of the system.
+/// Reads a file four times and takes the fastest; the first warms the cache of the system.
 fn measure(name: &str, path: &Path, least: f64) {
     let size = path.metadata().unwrap().len() as f64;
     let seconds = || {
@@ -73,6 +72,23 @@ fn binary_ply() {
         bytes
     });
     measure("binary PLY", &path, 500.0);
+}
+
+#[test]
+#[ignore = "measures; wants a release build"]
+fn ascii_ply() {
+    let path = file("speed_ascii.ply", || {
+        let rows = SIZE / 34;
+        text(|line, index| {
+            if index == 0 {
+                write!(line, "ply\nformat ascii 1.0\nelement vertex {rows}\n").unwrap();
+                line.push_str("property double x\nproperty double y\nproperty double z\nend_header\n");
+            }
+            let [x, y, z] = [0, 1, 2].map(|axis| coordinate(index, axis));
+            writeln!(line, "{x:.3} {y:.3} {z:.3}").unwrap();
+        })
+    });
+    measure("ascii PLY, x y z to the millimetre", &path, 300.0);
 }
 
 #[test]

@@ -5,10 +5,15 @@
 mod common;
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Mutex;
 
 use common::f64_table;
-use footpoint_io::{Column, Data, Overwrite, Table, WriteOptions, check_table, check_writable, read, write};
+use footpoint_io::{
+    Column, Data, Encoding, Overwrite, PcdEncoding, Table, Watch, WriteOptions, WriteProblem, check_table,
+    check_writable, read, write, write_with,
+};
 
 fn points() -> Table {
     f64_table(&[("x", &[1.0, 2.0]), ("y", &[3.0, 4.0])])
@@ -135,4 +140,50 @@ fn refuses_device(device: &Path) {
     let link = folder.path().join("a.ply");
     std::os::unix::fs::symlink(device, &link).unwrap();
     refuses(&link, Overwrite::Replace, "special file");
+}
+
+/// Keeps what it is told, and ends the work once it has been told so often.
+struct Listener {
+    told: Mutex<Vec<(u64, u64)>>,
+    most: usize,
+}
+
+impl Watch for Listener {
+    fn at(&self, done: u64, all: u64) -> ControlFlow<()> {
+        let mut told = self.told.lock().unwrap();
+        told.push((done, all));
+        if told.len() < self.most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+}
+
+#[test]
+fn every_format_tells_how_far_it_is_and_can_be_ended() {
+    const ROWS: u64 = 200_000;
+    let values: Vec<f64> = (0..ROWS).map(|i| (i % 1000) as f64).collect();
+    let table = f64_table(&[("x", &values), ("y", &values), ("z", &values)]);
+    let folder = tempfile::tempdir().unwrap();
+    let usual = WriteOptions::default();
+    let names = ["a.ply", "a.las", "a.laz", "a.e57", "a.pcd", "a.xyz", "a.pts", "a.obj", "a.npy", "a.npz"];
+    let kinds = [
+        ("b.ply", WriteOptions { ply: Encoding::Ascii, ..usual }),
+        ("b.pcd", WriteOptions { pcd: PcdEncoding::Ascii, ..usual }),
+        ("c.pcd", WriteOptions { pcd: PcdEncoding::Compressed, ..usual }),
+    ];
+    for (name, options) in names.map(|name| (name, usual)).into_iter().chain(kinds) {
+        let path = folder.path().join(name);
+        let ending = Listener { told: Mutex::default(), most: 2 };
+        let stopped = write_with(&path, &table, &options, Some(&ending)).unwrap_err();
+        assert!(matches!(stopped.problem, WriteProblem::Stopped), "{name}: {stopped}");
+        assert!(files(folder.path()).is_empty(), "{name}");
+        let all = Listener { told: Mutex::default(), most: usize::MAX };
+        write_with(&path, &table, &options, Some(&all)).unwrap();
+        let told = all.told.into_inner().unwrap();
+        assert!((2..=4).contains(&told.len()), "{name}: {told:?}");
+        assert!(
+            told.is_sorted() && told.iter().all(|&(done, all)| done <= ROWS && all == ROWS),
+            "{name}: {told:?}"
+        );
+        assert_eq!(read(&path).unwrap().table.rows() as u64, ROWS, "{name}");
+        fs::remove_file(&path).unwrap();
+    }
 }

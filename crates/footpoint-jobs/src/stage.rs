@@ -2,7 +2,9 @@
 
 use crate::{Context, JobError};
 use footpoint::{Progress, Run};
-use footpoint_io::{Bounds, Input, ReadOptions, ReadProblem, Table, Watch, WriteOptions, read_with, write};
+use footpoint_io::{
+    Bounds, Input, ReadOptions, ReadProblem, Table, Watch, WriteOptions, WriteProblem, read_with, write_with,
+};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -18,7 +20,7 @@ pub enum Stage<'p> {
     Compute,
     /// Draws: rays.
     Draw,
-    /// Writes this file; no progress.
+    /// Writes this file: points.
     Write(&'p Path),
 }
 
@@ -44,11 +46,17 @@ impl Context<'_> {
         self.begin(Stage::Write(path));
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
         // A file that is complete is kept: the work is done.
-        if self.run.is_cancelled() { Err(JobError::Cancelled) } else { Ok(write(path, table, &options)?) }
+        if self.run.is_cancelled() {
+            return Err(JobError::Cancelled);
+        }
+        write_with(path, table, &options, Some(&Watching(&self.run))).map_err(|error| match error.problem {
+            WriteProblem::Stopped => JobError::Cancelled,
+            _ => JobError::Write(error),
+        })
     }
 }
 
-/// A run as the reader of a file sees it.
+/// A run as the reader or the writer of a file sees it.
 struct Watching<'r>(&'r Run<'r>);
 
 impl Watch for Watching<'_> {

@@ -11,7 +11,7 @@ use e57::{
 
 use super::records::{self, Extended, NORMALS, OURS};
 use super::{E57Kept, E57Scan};
-use crate::output::WriteProblem;
+use crate::output::{Steps, WriteProblem};
 use crate::scalar::Scalar;
 use crate::{Column, Data, Kept, Table};
 
@@ -56,11 +56,15 @@ pub(crate) fn check_table(table: &Table) -> Result<(), WriteProblem> {
 
 /// Writes the table: a scan for each value of the column `scan` where a file of several scans was read, else one.
 /// Points without finite coordinates are marked as invalid.
-pub(crate) fn write(file: &mut File, table: &Table) -> io::Result<()> {
-    write_all(file, table).map_err(io::Error::other)
+pub(crate) fn write(file: &mut File, table: &Table, steps: &Steps<'_>) -> io::Result<()> {
+    write_all(file, table, steps).map_err(io::Error::other)
 }
 
-fn write_all(file: &mut File, table: &Table) -> e57::Result<()> {
+fn write_all(
+    file: &mut File,
+    table: &Table,
+    steps: &Steps<'_>,
+) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let empty = E57Kept::default();
     let kept = kept(table).unwrap_or(&empty);
     let scans = scans(table);
@@ -96,6 +100,7 @@ fn write_all(file: &mut File, table: &Table) -> e57::Result<()> {
                 extend(&mut bounds, point);
             }
             cloud.add_point(layout.values(row, point))?;
+            steps.at(row)?;
         }
         cloud.set_cartesian_bounds(bounds.map(|[low, high]: [[f64; 3]; 2]| CartesianBounds {
             x_min: Some(low[0]),
@@ -110,7 +115,7 @@ fn write_all(file: &mut File, table: &Table) -> e57::Result<()> {
         }
         cloud.finalize()?;
     }
-    writer.finalize()
+    Ok(writer.finalize()?)
 }
 
 fn kept(table: &Table) -> Option<&E57Kept> {

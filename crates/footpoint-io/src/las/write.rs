@@ -11,6 +11,7 @@ use super::points::BLOCK;
 use super::record::{Record, SPEC, part};
 use super::unpack::LASZIP;
 use crate::Table;
+use crate::output::Steps;
 
 /// The mark of LASzip in the number of the point format.
 const IS_PACKED: u8 = 0x80;
@@ -22,6 +23,7 @@ pub(crate) fn write(
     out: &mut (impl Write + Seek + Send + Sync),
     table: &Table,
     is_packed: bool,
+    steps: &Steps<'_>,
 ) -> io::Result<()> {
     let mut layout = Layout::of(table).map_err(io::Error::other)?;
     let packing = is_packed.then(|| pack_record(&mut layout)).transpose()?;
@@ -36,10 +38,10 @@ pub(crate) fn write(
     out.write_all(signature)?;
     let mut counts = Counts::new(&layout);
     match packing {
-        None => each_block(table.rows(), &layout, &mut counts, |block| out.write_all(block))?,
+        None => each_block((table.rows(), steps), &layout, &mut counts, |block| out.write_all(block))?,
         Some(packing) => {
             let mut packed = LasZipCompressor::new(&mut *out, packing).map_err(io::Error::other)?;
-            each_block(table.rows(), &layout, &mut counts, |block| packed.compress_many(block))?;
+            each_block((table.rows(), steps), &layout, &mut counts, |block| packed.compress_many(block))?;
             packed.done()?;
         }
     }
@@ -70,7 +72,7 @@ fn write_header(header: &raw::Header, out: &mut impl Write) -> io::Result<()> {
 }
 
 fn each_block(
-    rows: usize,
+    (rows, steps): (usize, &Steps<'_>),
     layout: &Layout<'_>,
     counts: &mut Counts,
     mut take: impl FnMut(&[u8]) -> io::Result<()>,
@@ -84,6 +86,7 @@ fn each_block(
         }
         counts.add(&block, layout.record);
         take(&block)?;
+        steps.at(first + BLOCK)?;
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ mod npy;
 pub(crate) mod number;
 mod obj;
 mod ply;
+mod steps;
 mod text;
 
 use std::io::{self, BufWriter, Write};
@@ -13,7 +14,8 @@ use tempfile::NamedTempFile;
 use thiserror::Error;
 
 use crate::format::{Target, WRITABLE, is_copc};
-use crate::{Encoding, LasMisfit, PcdEncoding, Table, e57, las, pcd};
+use crate::{Encoding, LasMisfit, PcdEncoding, Table, Watch, e57, las, pcd};
+pub(crate) use steps::Steps;
 
 const BUFFER: usize = 1 << 20;
 
@@ -69,6 +71,9 @@ pub enum WriteProblem {
     /// Writing failed on the way; the partial file has been removed.
     #[error("writing failed, nothing is left behind: {0}")]
     Io(io::Error),
+    /// Whoever watched ended it.
+    #[error("writing was stopped, nothing is left behind")]
+    Stopped,
     /// Columns of different lengths.
     #[error("column `{name}` has {found} rows, the first column has {wanted}")]
     Uneven {
@@ -165,11 +170,26 @@ pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
 /// in one step when it is complete, and is removed on any error. Fails as [`check_writable`] and
 /// [`check_table`] do, and on a full disk.
 pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), WriteError> {
+    write_with(path, table, options, None)
+}
+
+/// [`write()`] with someone to tell how many rows are written, who may end it.
+pub fn write_with(
+    path: &Path,
+    table: &Table,
+    options: &WriteOptions,
+    watch: Option<&dyn Watch>,
+) -> Result<(), WriteError> {
     let target = at(path, || {
         let target = target_of(path)?;
         check_columns(target, table).map(|()| target)
     })?;
-    write_file(path, options.overwrite, |file| fill(file, target, table, options))
+    let steps = Steps::new(watch, table.rows());
+    let written = write_file(path, options.overwrite, |file| fill(file, target, (table, &steps), options));
+    written.map_err(|error| match steps.is_stopped() {
+        true => WriteError { problem: WriteProblem::Stopped, ..error },
+        false => error,
+    })
 }
 
 /// Checks, before any work is done, that [`write_file`] could put a file at `path`, whatever its format.
@@ -219,17 +239,22 @@ fn target_of(path: &Path) -> Result<Target, WriteProblem> {
     }
 }
 
-fn fill(file: &mut std::fs::File, target: Target, table: &Table, options: &WriteOptions) -> io::Result<()> {
+fn fill(
+    file: &mut std::fs::File,
+    target: Target,
+    (table, steps): (&Table, &Steps<'_>),
+    options: &WriteOptions,
+) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER, file);
     match target {
-        Target::Ply => ply::write(&mut out, table, options.ply)?,
-        Target::Pcd => pcd::write(&mut out, table, options.pcd)?,
-        Target::E57 => e57::write(out.get_mut(), table)?,
-        Target::Text(kind) => text::write(&mut out, table, kind)?,
-        Target::Las { is_packed } => las::write(&mut out, table, is_packed)?,
-        Target::Obj => obj::write(&mut out, table)?,
-        Target::Npy => npy::write(&mut out, table)?,
-        Target::Npz => npy::write_archive(&mut out, table)?,
+        Target::Ply => ply::write(&mut out, table, options.ply, steps)?,
+        Target::Pcd => pcd::write(&mut out, table, options.pcd, steps)?,
+        Target::E57 => e57::write(out.get_mut(), table, steps)?,
+        Target::Text(kind) => text::write(&mut out, table, kind, steps)?,
+        Target::Las { is_packed } => las::write(&mut out, table, is_packed, steps)?,
+        Target::Obj => obj::write(&mut out, table, steps)?,
+        Target::Npy => npy::write(&mut out, table, steps)?,
+        Target::Npz => npy::write_archive(&mut out, table, steps)?,
     }
     out.flush()
 }

@@ -7,7 +7,7 @@ use npyz::{DType, Field, WriterBuilder};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use super::WriteProblem;
+use super::{Steps, WriteProblem};
 use crate::rows::{self, Order};
 use crate::scalar::Scalar;
 use crate::{Column, Data, Table};
@@ -23,7 +23,7 @@ pub(super) fn check(column: &Column) -> Result<(), WriteProblem> {
     Ok(())
 }
 
-pub(super) fn write(out: &mut impl Write, table: &Table) -> io::Result<()> {
+pub(super) fn write(out: &mut impl Write, table: &Table, steps: &Steps<'_>) -> io::Result<()> {
     let fields = table
         .columns
         .iter()
@@ -31,20 +31,25 @@ pub(super) fn write(out: &mut impl Write, table: &Table) -> io::Result<()> {
     header(out, DType::Record(fields.collect::<io::Result<_>>()?), table.rows())?;
     let columns: Vec<Cow<'_, Data>> =
         table.columns.iter().map(|column| Cow::Borrowed(&column.data)).collect();
-    rows::write(out, &columns, Order::Little)
+    rows::write(out, &columns, Order::Little, |row| steps.at(row))
 }
 
 /// Writes the archive unpacked, as `numpy.savez` does: coordinates hardly shrink.
-pub(super) fn write_archive(out: &mut (impl Write + Seek), table: &Table) -> io::Result<()> {
+pub(super) fn write_archive(
+    out: &mut (impl Write + Seek),
+    table: &Table,
+    steps: &Steps<'_>,
+) -> io::Result<()> {
     let mut archive = ZipWriter::new(out);
-    for column in &table.columns {
+    for (index, column) in table.columns.iter().enumerate() {
         let bytes = column.data.len() as u64 * Scalar::of(&column.data).map_or(0, Scalar::size);
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Stored)
             .large_file(bytes >= u64::from(u32::MAX) / 2);
         archive.start_file(format!("{}.npy", column.name), options)?;
         header(&mut archive, dtype(&column.data)?, column.data.len())?;
-        rows::write(&mut archive, &[Cow::Borrowed(&column.data)], Order::Little)?;
+        let written = |row| steps.at_column(row, index, table.columns.len());
+        rows::write(&mut archive, &[Cow::Borrowed(&column.data)], Order::Little, written)?;
     }
     archive.finish()?;
     Ok(())

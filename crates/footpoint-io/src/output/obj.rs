@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::number::{write_real, write_value};
-use super::{WriteProblem, comment_lines};
+use super::{Steps, WriteProblem, comment_lines};
 use crate::roles::Roles;
 use crate::{Data, Table};
 
@@ -47,7 +47,7 @@ pub(super) fn check(table: &Table) -> Result<(), WriteProblem> {
     if lost.is_empty() { Ok(()) } else { Err(WriteProblem::NotInObj(lost.join(", "))) }
 }
 
-pub(super) fn write(out: &mut impl Write, table: &Table) -> io::Result<()> {
+pub(super) fn write(out: &mut impl Write, table: &Table, steps: &Steps<'_>) -> io::Result<()> {
     let Some(places) = Places::find(table) else { return Ok(()) };
     for line in comment_lines(table) {
         writeln!(out, "# {line}")?;
@@ -69,6 +69,7 @@ pub(super) fn write(out: &mut impl Write, table: &Table) -> io::Result<()> {
             write_share(out, data, row, white)?;
         }
         out.write_all(b"\n")?;
+        steps.at(row)?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 
 use super::number::write_value;
-use super::{WriteProblem, comment_lines};
+use super::{Steps, WriteProblem, comment_lines};
 use crate::rows::{self, Order};
 use crate::scalar::Scalar;
 use crate::{Column, Data, Encoding, Table};
@@ -29,12 +29,17 @@ pub(super) fn check(column: &Column) -> Result<(), WriteProblem> {
     Ok(())
 }
 
-pub(super) fn write(out: &mut impl Write, table: &Table, encoding: Encoding) -> io::Result<()> {
+pub(super) fn write(
+    out: &mut impl Write,
+    table: &Table,
+    encoding: Encoding,
+    steps: &Steps<'_>,
+) -> io::Result<()> {
     write_header(out, table, encoding)?;
     match encoding {
-        Encoding::Ascii => write_ascii(out, table),
-        Encoding::LittleEndian => write_binary(out, table, Order::Little),
-        Encoding::BigEndian => write_binary(out, table, Order::Big),
+        Encoding::Ascii => write_ascii(out, table, steps),
+        Encoding::LittleEndian => write_binary(out, table, Order::Little, steps),
+        Encoding::BigEndian => write_binary(out, table, Order::Big, steps),
     }
 }
 
@@ -60,7 +65,7 @@ fn write_header(out: &mut impl Write, table: &Table, encoding: Encoding) -> io::
     writeln!(out, "end_header")
 }
 
-fn write_ascii(out: &mut impl Write, table: &Table) -> io::Result<()> {
+fn write_ascii(out: &mut impl Write, table: &Table, steps: &Steps<'_>) -> io::Result<()> {
     for row in 0..table.rows() {
         for (index, column) in table.columns.iter().enumerate() {
             if index > 0 {
@@ -69,15 +74,16 @@ fn write_ascii(out: &mut impl Write, table: &Table) -> io::Result<()> {
             write_value(out, &column.data, row)?;
         }
         out.write_all(b"\n")?;
+        steps.at(row)?;
     }
     Ok(())
 }
 
-fn write_binary(out: &mut impl Write, table: &Table, order: Order) -> io::Result<()> {
+fn write_binary(out: &mut impl Write, table: &Table, order: Order, steps: &Steps<'_>) -> io::Result<()> {
     let columns = table.columns.iter().map(|column| match &column.data {
         wide @ (Data::I64(_) | Data::U64(_)) => Cow::Owned(Data::F64(wide.to_f64().unwrap_or_default())),
         data => Cow::Borrowed(data),
     });
     let columns: Vec<Cow<'_, Data>> = columns.collect();
-    rows::write(out, &columns, order)
+    rows::write(out, &columns, order, |row| steps.at(row))
 }

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::number::{write_real, write_value};
-use super::{WriteProblem, comment_lines};
+use super::{Steps, WriteProblem, comment_lines};
 use crate::format::TextKind;
 use crate::text::needs_quotes;
 use crate::{Column, Data, Table};
@@ -23,7 +23,12 @@ pub(super) fn check(column: &Column) -> Result<(), WriteProblem> {
     }
 }
 
-pub(super) fn write(out: &mut impl Write, table: &Table, kind: TextKind) -> io::Result<()> {
+pub(super) fn write(
+    out: &mut impl Write,
+    table: &Table,
+    kind: TextKind,
+    steps: &Steps<'_>,
+) -> io::Result<()> {
     let separator = if kind == TextKind::Csv { "," } else { " " };
     // A csv reader would take a comment for the header, a pts reader for a point.
     if !matches!(kind, TextKind::Csv | TextKind::Pts) {
@@ -52,6 +57,7 @@ pub(super) fn write(out: &mut impl Write, table: &Table, kind: TextKind) -> io::
             }
         }
         out.write_all(b"\n")?;
+        steps.at(row)?;
     }
     Ok(())
 }

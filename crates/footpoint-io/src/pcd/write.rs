@@ -5,8 +5,8 @@ use std::io::{self, Write};
 
 use super::header::type_letter;
 use super::{PcdEncoding, PcdKept, colour, lzf};
-use crate::output::WriteProblem;
 use crate::output::number::write_value;
+use crate::output::{Steps, WriteProblem};
 use crate::scalar::Scalar;
 use crate::{Column, Data, Kept, Table};
 
@@ -34,7 +34,12 @@ pub(crate) fn check(column: &Column) -> Result<(), WriteProblem> {
 
 /// Writes the table. Width, height, viewpoint, the packing of colours and fields of several values are as they were
 /// read; width and height only if the number of points is what it was.
-pub(crate) fn write(out: &mut impl Write, table: &Table, encoding: PcdEncoding) -> io::Result<()> {
+pub(crate) fn write(
+    out: &mut impl Write,
+    table: &Table,
+    encoding: PcdEncoding,
+    steps: &Steps<'_>,
+) -> io::Result<()> {
     let kept = match &table.kept {
         Some(Kept::Pcd(kept)) => Some(kept),
         _ => None,
@@ -42,9 +47,9 @@ pub(crate) fn write(out: &mut impl Write, table: &Table, encoding: PcdEncoding) 
     let fields = fields(table, kept, encoding);
     write_header(out, table, (&fields, kept), encoding)?;
     match encoding {
-        PcdEncoding::Ascii => write_ascii(out, &fields, table.rows()),
-        PcdEncoding::Binary => write_binary(out, &fields, table.rows()),
-        PcdEncoding::Compressed => write_compressed(out, &fields, table.rows()),
+        PcdEncoding::Ascii => write_ascii(out, &fields, table.rows(), steps),
+        PcdEncoding::Binary => write_binary(out, &fields, table.rows(), steps),
+        PcdEncoding::Compressed => write_compressed(out, &fields, table.rows(), steps),
     }
 }
 
@@ -138,7 +143,7 @@ fn write_header(
     writeln!(out, "POINTS {rows}\nDATA {data}")
 }
 
-fn write_ascii(out: &mut impl Write, fields: &[Field<'_>], rows: usize) -> io::Result<()> {
+fn write_ascii(out: &mut impl Write, fields: &[Field<'_>], rows: usize, steps: &Steps<'_>) -> io::Result<()> {
     for row in 0..rows {
         for (index, data) in fields.iter().flat_map(|field| &field.columns).enumerate() {
             if index > 0 {
@@ -147,11 +152,17 @@ fn write_ascii(out: &mut impl Write, fields: &[Field<'_>], rows: usize) -> io::R
             write_value(out, data, row)?;
         }
         out.write_all(b"\n")?;
+        steps.at(row)?;
     }
     Ok(())
 }
 
-fn write_binary(out: &mut impl Write, fields: &[Field<'_>], rows: usize) -> io::Result<()> {
+fn write_binary(
+    out: &mut impl Write,
+    fields: &[Field<'_>],
+    rows: usize,
+    steps: &Steps<'_>,
+) -> io::Result<()> {
     let columns: Vec<&Data> = fields.iter().flat_map(|field| &field.columns).map(AsRef::as_ref).collect();
     let mut block = Vec::new();
     let mut start = 0;
@@ -163,16 +174,23 @@ fn write_binary(out: &mut impl Write, fields: &[Field<'_>], rows: usize) -> io::
         }
         out.write_all(&block)?;
         start = end;
+        steps.at(start)?;
     }
     Ok(())
 }
 
-fn write_compressed(out: &mut impl Write, fields: &[Field<'_>], rows: usize) -> io::Result<()> {
+fn write_compressed(
+    out: &mut impl Write,
+    fields: &[Field<'_>],
+    rows: usize,
+    steps: &Steps<'_>,
+) -> io::Result<()> {
     let mut block = Vec::new();
-    for field in fields {
+    for (index, field) in fields.iter().enumerate() {
         for row in 0..rows {
             field.columns.iter().for_each(|data| put(&mut block, data, row));
         }
+        steps.at_column(rows, index, fields.len())?;
     }
     let packed = lzf::pack(&block);
     let (Ok(packed_size), Ok(size)) = (u32::try_from(packed.len()), u32::try_from(block.len())) else {
