@@ -54,9 +54,9 @@ fn problems_show_as_they_would() {
         "project named.csv -o p.ply",
         "project cloud.csv --onto cloud.csv -o p.ply --noise 0.1 --query-noise nowhere",
         "distance cloud.csv --to cloud.csv -o p.obj",
-        "distance cloud.csv --to cloud.csv -o p.ply --registration-error 1",
+        "distance cloud.csv --to cloud.csv -o p.ply --registration 1",
         "evaluate cloud.csv --at cloud.csv -o e.obj",
-        "evaluate cloud.csv --at cloud.csv -o e.ply --columns sigma",
+        "evaluate cloud.csv --at cloud.csv -o e.ply --with sigma",
         "orient cloud.csv -o o.ply --towards 1,2",
         "orient cloud.csv -o o.ply --sensor-columns a,b,c",
         "render cloud.csv -o cloud.jpeg",
@@ -69,5 +69,6 @@ fn problems_show_as_they_would() {
         let (dry, real) = (folder.run(&format!("{words} --dry-run")), folder.run(words));
         assert_eq!(dry.code, 2, "{words}: {dry:?}");
         assert_eq!(dry.stderr, real.stderr, "{words}");
+        assert!(!dry.stderr.contains("--help"), "a mistyped case: {dry:?}");
     }
 }
