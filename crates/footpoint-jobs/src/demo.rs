@@ -5,7 +5,7 @@ use crate::load::surface_of_cloud;
 use crate::numbers::{Sorted, median};
 use crate::output::{Naming, set_numbers, set_vectors};
 use crate::project::{moved, projection_columns};
-use crate::render::{RenderPlan, drawn, put};
+use crate::render::{RenderPlan, picture, put};
 use crate::report::Report;
 use crate::scan::{ScanPlan, Vessel, scan};
 use crate::{Context, JobError, Stage};
@@ -144,7 +144,7 @@ fn draw(
     let run = context.run.silent();
     context.begin(Stage::Draw);
     let (picture, three) = timed(&mut report.times.draw, || -> Result<_, RenderError> {
-        let (_, picture) = drawn(surface, &plan, (Shading::Surface, ""), &run)?;
+        let (_, picture) = picture(surface, &plan, (Shading::Surface, ""), &run)?;
         Ok((picture, triptych(surface, &Wish::default(), (panel, plan.across), &run)?))
     })
     .map_err(wrong)?;

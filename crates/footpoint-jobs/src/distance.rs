@@ -7,9 +7,9 @@ mod walk;
 use crate::clock::timed;
 use crate::load::Loaded;
 use crate::output::{Naming, along, check_output, merge, put_table, set_numbers, set_vectors};
-use crate::report::Report;
+use crate::report::{Recipe, Report};
 use crate::{Context, JobError};
-use feet::{Feet, Search};
+pub use feet::{DistanceSearch, Feet};
 use footpoint::{Operator, Sign};
 use footpoint_io::{Column, Data, Table};
 use footpoint_render::{Colours, Map};
@@ -41,7 +41,10 @@ pub fn distance(
     coloured: Coloured,
     context: &Context<'_>,
 ) -> Result<Report, JobError> {
-    check(coloured, context)?;
+    check_distance(&context.recipe)?;
+    if let Coloured::UpTo(limit) = coloured {
+        check_positive("the distance at the end of the colours", limit.min(f64::MAX))?;
+    }
     check_output(output, context)?;
     let mut report = Report::new("distance", context.recipe.clone());
     let how = report.recipe.project.unwrap_or_default().with_operator(Operator::Orthogonal);
@@ -56,17 +59,13 @@ pub fn distance(
     }
 }
 
-/// Fails where a number makes no sense, or belongs to a σ that is not computed.
-fn check(coloured: Coloured, context: &Context<'_>) -> Result<(), JobError> {
-    let recipe = &context.recipe;
-    let positive = |what, value: f64| match value > 0.0 {
-        true => Ok(()),
-        false => Err(JobError::Number { what, value, wanted: "above 0" }),
-    };
-    positive("the largest distance", recipe.largest_distance.unwrap_or(f64::INFINITY))?;
-    if let Coloured::UpTo(limit) = coloured {
-        positive("the distance at the end of the colours", limit.min(f64::MAX))?;
-    }
+fn check_positive(what: &'static str, value: f64) -> Result<(), JobError> {
+    if value > 0.0 { Ok(()) } else { Err(JobError::Number { what, value, wanted: "above 0" }) }
+}
+
+/// Fails where a number of the recipe makes no sense, or belongs to a σ that is not computed.
+pub fn check_distance(recipe: &Recipe) -> Result<(), JobError> {
+    check_positive("the largest distance", recipe.largest_distance.unwrap_or(f64::INFINITY))?;
     match recipe.registration {
         Some(value) if !(value >= 0.0 && value.is_finite()) => {
             let wanted = "finite and not negative";
@@ -103,12 +102,7 @@ fn run<const D: usize>(
         // The bias is known without noise.
         surface = surface.with_uniform_noise(0.0).map_err(|problem| cloud.noise_error(problem))?;
     }
-    let search = Search {
-        project: report.recipe.project.unwrap_or_default(),
-        noise,
-        registration: context.recipe.registration.unwrap_or(0.0),
-        largest: context.recipe.largest_distance.unwrap_or(f64::INFINITY),
-    };
+    let search = DistanceSearch::of(&report.recipe, noise);
     let points = queries.points::<D>();
     let Feet { found, walked } =
         timed(&mut report.times.compute, || search.feet(&surface, &points, &context.run))

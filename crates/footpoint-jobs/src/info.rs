@@ -1,7 +1,8 @@
 //! Job: what a file holds, and the support that would be chosen for it.
 
 use crate::clock::timed;
-use crate::load::{Loaded, unit_name};
+use crate::describe::unit_name;
+use crate::load::Loaded;
 use crate::numbers::median;
 use crate::report::Report;
 use crate::{Context, JobError};

@@ -8,6 +8,7 @@
 
 mod clock;
 mod demo;
+mod describe;
 mod distance;
 mod dry;
 mod evaluate;
@@ -27,15 +28,19 @@ mod triptych;
 
 pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
-pub use distance::{Coloured, DistanceReport, Histogram, Quantile, distance};
+pub use describe::{format_name, missing_points, notes, unit_name};
+pub use distance::{
+    Coloured, DistanceReport, DistanceSearch, Feet, Histogram, Quantile, check_distance, distance,
+};
 pub use dry::Mode;
 pub use evaluate::{Extra, evaluate};
 pub use figure::{FigurePlan, Which, figure};
 pub use info::{InfoReport, NormalsReport, info};
+pub use load::surface_of_cloud;
 pub use normals::{Bending, NormalChoice, normals};
 pub use orient::{OrientBy, OrientPlan, OrientationReport, orient};
 pub use project::project;
-pub use render::{RenderPlan, RenderReport, Show, render};
+pub use render::{RenderPlan, RenderReport, Show, picture, render, title};
 pub use report::{
     InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
 };

@@ -1,6 +1,7 @@
 //! From a file to a cloud: which columns hold what.
 
 use crate::clock::timed;
+use crate::describe::{format_name, missing_points, notes, unit_name};
 use crate::output::drop_own_status;
 use crate::report::{InputReport, NoiseSource, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError, Stage};
@@ -8,7 +9,7 @@ use footpoint::{
     Cloud, Definition, Error, Noise, NoiseError, OrientError, Support, Surface, UncertaintyError,
 };
 use footpoint_io::roles::Roles;
-use footpoint_io::{Format, Input, Unit, check_table};
+use footpoint_io::{Input, Unit, check_table};
 use std::path::Path;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -89,37 +90,18 @@ impl Loaded {
             if columns.is_empty() { 0 } else { (0..table.rows()).filter(|&i| bad(&row(i))).count() }
         };
         let not_finite = |row: &[f64]| row.iter().any(|c| !c.is_finite());
-        let mut notes = self.input.report.notes.clone();
-        for element in &self.input.report.other_elements {
-            notes.push(format!("{} rows of element `{}` passed over", element.rows, element.name));
-        }
-        for list in &self.input.report.skipped_lists {
-            notes.push(format!("list property `{list}` of the points passed over"));
-        }
         InputReport {
             path: self.path.clone(),
-            format: match self.input.format {
-                Format::Ply(_) => "ply",
-                Format::E57 => "e57",
-                Format::Pcd(_) => "pcd",
-                Format::Text => "text",
-                Format::Las => "las",
-                Format::Laz => "laz",
-                Format::Copc => "copc",
-                Format::Obj => "obj",
-                Format::Ptx => "ptx",
-                Format::Npy => "npy",
-                Format::Npz => "npz",
-            },
+            format: format_name(self.input.format),
             points: table.rows(),
-            missing_points: self.missing_points(),
+            missing_points: missing_points(&self.input),
             crs: table.frame.crs.clone(),
             unit: table.frame.unit.map(unit_name),
             dimension: self.roles.dimension(),
             not_finite: rows(&coordinates, &not_finite),
             normals: !normals.is_empty(),
             unusable_normals: rows(&normals, &|row| not_finite(row) || row.iter().all(|&c| c == 0.0)),
-            notes,
+            notes: notes(&self.input.report),
         }
     }
 
@@ -129,12 +111,6 @@ impl Loaded {
             2 => self.cloud::<2>(recipe).map(drop),
             _ => self.cloud::<3>(recipe).map(drop),
         }
-    }
-
-    /// Points that the file states and does not hold.
-    fn missing_points(&self) -> u64 {
-        let rows = self.input.table.rows() as u64;
-        self.input.report.stated_rows.map_or(0, |stated| stated.saturating_sub(rows))
     }
 
     /// The cloud with the columns that the recipe asks for.
@@ -237,8 +213,9 @@ impl Loaded {
     }
 }
 
-/// Indexes a cloud by the context's definition, and finds what the recipe leaves to be found; errors name it as `path`.
-pub(crate) fn surface_of_cloud<const D: usize>(
+/// Indexes a cloud by the context's definition, and finds what the recipe leaves to be found: degree and noise. Errors name the
+/// cloud as `path`; the recipe's columns are not looked at, the cloud has them.
+pub fn surface_of_cloud<const D: usize>(
     cloud: Cloud<D>,
     path: &str,
     context: &Context<'_>,
@@ -313,21 +290,10 @@ impl Context<'_> {
     }
 }
 
-/// The unit as reports have it.
-pub(crate) fn unit_name(unit: Unit) -> &'static str {
-    match unit {
-        Unit::Metre => "metre",
-        Unit::Foot => "foot",
-        Unit::UsSurveyFoot => "us_survey_foot",
-        Unit::Degree => "degree",
-        _ => "other",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use footpoint_io::{Column, Data, Encoding, Frame, ReadReport, Table};
+    use footpoint_io::{Column, Data, Encoding, Format, Frame, ReadReport, Table};
 
     #[test]
     fn degrees_are_no_lengths() {

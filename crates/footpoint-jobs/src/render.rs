@@ -170,22 +170,24 @@ pub fn render(
     }
     let other = other.map(|other| other.surface::<3>(context, &mut report)).transpose()?;
     let surface = loaded.surface::<3>(context, &mut report)?;
-    let (shading, name, title) = match &plan.show {
-        Show::Surface => (Shading::Surface, "surface", ""),
-        Show::Frame => (Shading::Frame, "frame", ""),
-        Show::Difference => (Shading::Difference, "difference", "n·∇f/|∇f|"),
-        Show::Curvature => (Shading::Curvature, "curvature", "mean curvature"),
-        Show::Distance(_) => {
-            (other.as_ref().map_or(Shading::Surface, Shading::Distance), "distance", "distance")
-        }
-        Show::Attribute(name) => (Shading::Attribute(&values), "attribute", name.as_str()),
-        Show::Colour => (Shading::Colour(&colours), "colour", ""),
-        Show::Normal => (Shading::Normal, "normal", ""),
-        Show::Depth => (Shading::Depth, "depth", "depth"),
+    let shading = match &plan.show {
+        Show::Surface => Shading::Surface,
+        Show::Frame => Shading::Frame,
+        Show::Difference => Shading::Difference,
+        Show::Curvature => Shading::Curvature,
+        Show::Distance(_) => other.as_ref().map_or(Shading::Surface, Shading::Distance),
+        Show::Attribute(_) => Shading::Attribute(&values),
+        Show::Colour => Shading::Colour(&colours),
+        Show::Normal => Shading::Normal,
+        Show::Depth => Shading::Depth,
+    };
+    let title = match &plan.show {
+        Show::Attribute(name) => name,
+        _ => title(&shading),
     };
     context.begin(Stage::Draw);
     let (camera, picture) = timed(&mut report.times.draw, || {
-        drawn(&surface, plan, (shading, title), &context.run).map_err(|error| loaded.render_error(error))
+        picture(&surface, plan, (shading, title), &context.run).map_err(|error| loaded.render_error(error))
     })?;
     if picture.hits == 0 {
         return Err(JobError::NothingHit(input.display().to_string()));
@@ -194,7 +196,7 @@ pub fn render(
     report.points = picture.rays;
     report.points_per_second = if seconds > 0.0 { picture.rays as f64 / seconds } else { 0.0 };
     report.render = Some(RenderReport {
-        shading: name,
+        shading: name(&shading),
         width: plan.size[0],
         height: plan.size[1],
         samples_per_pixel: plan.across * plan.across,
@@ -209,8 +211,9 @@ pub fn render(
     Ok(report)
 }
 
-/// The camera and the picture.
-pub(crate) fn drawn(
+/// The camera and the picture: what [`render`] draws and writes, of a surface in memory. The plan's `show` and its files are not
+/// looked at; the shading says what is shown, with a title for numbers.
+pub fn picture(
     surface: &Surface<3>,
     plan: &RenderPlan,
     (shading, title): (Shading<'_>, &str),
@@ -234,6 +237,33 @@ pub(crate) fn drawn(
         planes: if wants_planes { Keep::Yes } else { Keep::No },
     };
     Ok((camera, draw(surface, &drawing, run)?))
+}
+
+/// What reports call a shading.
+fn name(shading: &Shading<'_>) -> &'static str {
+    match shading {
+        Shading::Surface => "surface",
+        Shading::Frame => "frame",
+        Shading::Difference => "difference",
+        Shading::Curvature => "curvature",
+        Shading::Distance(_) => "distance",
+        Shading::Attribute(_) => "attribute",
+        Shading::Colour(_) => "colour",
+        Shading::Normal => "normal",
+        Shading::Depth => "depth",
+        _ => "other",
+    }
+}
+
+/// What stands above the scale bar of a shading; that of an attribute has its column's name.
+pub fn title(shading: &Shading<'_>) -> &'static str {
+    match shading {
+        Shading::Difference => "n·∇f/|∇f|",
+        Shading::Curvature => "mean curvature",
+        Shading::Distance(_) => "distance",
+        Shading::Depth => "depth",
+        _ => "",
+    }
 }
 
 fn write_all(

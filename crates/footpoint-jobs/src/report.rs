@@ -205,7 +205,8 @@ pub struct MovedReport {
 }
 
 impl Report {
-    pub(crate) fn new(job: &'static str, recipe: Recipe) -> Self {
+    /// An empty report of a job.
+    pub fn new(job: &'static str, recipe: Recipe) -> Self {
         Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),

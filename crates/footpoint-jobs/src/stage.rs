@@ -32,7 +32,8 @@ impl Context<'_> {
         }
     }
 
-    pub(crate) fn read(&self, path: &Path) -> Result<Input, JobError> {
+    /// Reads a file: the part that the recipe wants of it, with progress and cancelling.
+    pub fn read(&self, path: &Path) -> Result<Input, JobError> {
         self.begin(Stage::Read(path));
         let watch = Watching(&self.run);
         let within = self.recipe.within.map(|[low, high]| Bounds { low, high });
@@ -42,7 +43,8 @@ impl Context<'_> {
         })
     }
 
-    pub(crate) fn write(&self, path: &Path, table: &Table) -> Result<(), JobError> {
+    /// Writes a file, in the format of its extension.
+    pub fn write(&self, path: &Path, table: &Table) -> Result<(), JobError> {
         self.begin(Stage::Write(path));
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
         // A file that is complete is kept: the work is done.

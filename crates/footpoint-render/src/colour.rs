@@ -38,6 +38,29 @@ pub enum Background {
     Transparent,
 }
 
+/// A word that is no background.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("it must be white, black, transparent, or a colour such as #1f2933")]
+pub struct BackgroundError;
+
+impl std::str::FromStr for Background {
+    type Err = BackgroundError;
+
+    /// `white`, `black`, `transparent` or `#rrggbb`.
+    fn from_str(text: &str) -> Result<Self, BackgroundError> {
+        let colour = |digits: &str| {
+            let byte = |i: usize| u8::from_str_radix(digits.get(2 * i..2 * i + 2)?, 16).ok();
+            (digits.len() == 6).then(|| Some([byte(0)?, byte(1)?, byte(2)?])).flatten()
+        };
+        match text {
+            "transparent" => Ok(Self::Transparent),
+            "white" => Ok(Self::Colour([255; 3])),
+            "black" => Ok(Self::Colour([0; 3])),
+            _ => text.strip_prefix('#').and_then(colour).map(Self::Colour).ok_or(BackgroundError),
+        }
+    }
+}
+
 impl Default for Background {
     /// White.
     fn default() -> Self {

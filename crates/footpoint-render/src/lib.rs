@@ -19,7 +19,7 @@ mod vector;
 mod view;
 
 pub use camera::{Camera, CameraError, Projection, Rays};
-pub use colour::{Background, Colours, Map, to_linear as linear};
+pub use colour::{Background, BackgroundError, Colours, Map, to_linear as linear};
 pub use encode::{write_depth, write_image, write_mask, write_normals};
 pub use image::Image;
 pub use occlusion::Occlusion;

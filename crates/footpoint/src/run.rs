@@ -70,7 +70,7 @@ impl<'r> Run<'r> {
         Self::default()
     }
 
-    /// Uses this many threads; 0 means one per core.
+    /// Uses this many threads; 0 means one per core, 1 the calling thread: several callers with 1 each do not wait for each other.
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = (threads > 0).then_some(threads);
         self
@@ -145,7 +145,7 @@ impl<'r> Run<'r> {
         };
         let chunks = count.div_ceil(GROUPS_AT_A_TIME);
         #[cfg(feature = "threads")]
-        if chunks > 1 {
+        if chunks > 1 && self.may_share() {
             use rayon::prelude::*;
             return self.install(|| (0..chunks).into_par_iter().try_for_each_init(state, several));
         }
@@ -166,7 +166,7 @@ impl<'r> Run<'r> {
             Ok(work(i))
         };
         #[cfg(feature = "threads")]
-        if count > 64 {
+        if count > 64 && self.may_share() {
             use rayon::prelude::*;
             return self.install(|| (0..count).into_par_iter().with_min_len(64).map(checked).collect());
         }
@@ -176,7 +176,7 @@ impl<'r> Run<'r> {
     /// `make(0)`, …, `make(count − 1)` in order; for quick work, which is not cancelled.
     pub(crate) fn collect<T: Send>(&self, count: usize, make: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
         #[cfg(feature = "threads")]
-        if count > QUICK {
+        if count > QUICK && self.may_share() {
             use rayon::prelude::*;
             return self.install(|| (0..count).into_par_iter().with_min_len(QUICK).map(make).collect());
         }
@@ -190,7 +190,7 @@ impl<'r> Run<'r> {
         make: impl Fn(usize) -> Option<T> + Sync + Send,
     ) -> Vec<T> {
         #[cfg(feature = "threads")]
-        if count > QUICK {
+        if count > QUICK && self.may_share() {
             use rayon::prelude::*;
             return self
                 .install(|| (0..count).into_par_iter().with_min_len(QUICK).filter_map(make).collect());
@@ -201,7 +201,7 @@ impl<'r> Run<'r> {
     /// Does `work` on every item.
     pub(crate) fn for_each<T: Send>(&self, items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
         #[cfg(feature = "threads")]
-        if items.len() > 4 {
+        if items.len() > 4 && self.may_share() {
             use rayon::prelude::*;
             return self.install(|| items.par_iter_mut().with_min_len(4).for_each(work));
         }
@@ -215,11 +215,17 @@ impl<'r> Run<'r> {
         order: impl Fn(&T, &T) -> std::cmp::Ordering + Sync + Send,
     ) {
         #[cfg(feature = "threads")]
-        if items.len() > QUICK {
+        if items.len() > QUICK && self.may_share() {
             use rayon::prelude::*;
             return self.install(|| items.par_sort_unstable_by(order));
         }
         items.sort_unstable_by(order);
+    }
+
+    /// Whether work may go to other threads than the calling one.
+    #[cfg(feature = "threads")]
+    fn may_share(&self) -> bool {
+        self.threads != Some(1)
     }
 
     /// Runs `work` inside the library's pool with the threads asked for.
@@ -303,6 +309,24 @@ mod tests {
             assert!(seen.lock().unwrap().iter().all(|&count| count == 1));
             assert_eq!(last.load(Ordering::Relaxed), 3000);
         }
+    }
+
+    #[test]
+    fn one_thread_is_the_caller() {
+        let caller = std::thread::current().id();
+        let here = || std::thread::current().id() == caller;
+        let run = Run::new().threads(1);
+        run.for_each_group(1000, |_| 1, || (), |(), _| assert!(here())).unwrap();
+        assert!(run.map(5000, |_| here()).unwrap().into_iter().all(|here| here));
+        assert!(run.collect(5000, |_| here()).into_iter().all(|here| here));
+        assert_eq!(run.collect_some(5000, |_| here().then_some(())).len(), 5000);
+        run.for_each(&mut [0; 5000], |_| assert!(here()));
+        let mut items: Vec<usize> = (0..5000).rev().collect();
+        run.sort(&mut items, |a, b| {
+            assert!(here());
+            a.cmp(b)
+        });
+        assert_eq!(items[..3], [0, 1, 2]);
     }
 
     #[test]

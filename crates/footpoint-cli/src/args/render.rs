@@ -34,7 +34,13 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "COUNT", default_value = "4", value_parser = square, help_heading = "Picture", hide_short_help = true)]
     samples: usize,
     /// What lies behind: `white`, `black`, `#rrggbb` or `transparent`
-    #[arg(long, value_name = "COLOUR", default_value = "white", value_parser = background, help_heading = "Picture", hide_short_help = true)]
+    #[arg(
+        long,
+        value_name = "COLOUR",
+        default_value = "white",
+        help_heading = "Picture",
+        hide_short_help = true
+    )]
     background: Background,
     /// Darken hollows: so many rays from every point that is seen (16 is smooth with --samples 4)
     #[arg(long, value_name = "RAYS", num_args = 0..=1, default_value_t = 0, default_missing_value = "16",
@@ -221,22 +227,5 @@ fn square(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(count) if (1..=256).contains(&count) && count.isqrt().pow(2) == count => Ok(count),
         _ => Err("it must be a square: 1, 4, 9, 16, … 256".to_owned()),
-    }
-}
-
-fn background(text: &str) -> Result<Background, String> {
-    let colour = |digits: &str| {
-        let byte = |i: usize| u8::from_str_radix(digits.get(2 * i..2 * i + 2)?, 16).ok();
-        (digits.len() == 6).then(|| Some([byte(0)?, byte(1)?, byte(2)?])).flatten()
-    };
-    match text {
-        "transparent" => Ok(Background::Transparent),
-        "white" => Ok(Background::Colour([255; 3])),
-        "black" => Ok(Background::Colour([0; 3])),
-        _ => text
-            .strip_prefix('#')
-            .and_then(colour)
-            .map(Background::Colour)
-            .ok_or_else(|| "it must be white, black, transparent, or a colour such as #1f2933".to_owned()),
     }
 }

@@ -1,36 +1,51 @@
 //! The foot point of every query, however far it is, with what is known of the distance's errors.
 
 use super::walk::{distance, sub, walk};
-use footpoint::{Noise, Project, Run, Status, Surface, Uncertainties, Uncertainty, UncertaintyError};
+use crate::Recipe;
+use footpoint::{
+    Noise, Operator, Project, Run, Status, Surface, Uncertainties, Uncertainty, UncertaintyError,
+};
 
 /// Beyond this distance, in the smallest support, another foot point may be nearer than the projection's (SPEC § 11).
 const SURE: f64 = 0.5;
 /// Where a walk ended, the projection looks from here, in supports, towards the query: the foot point is the same.
 const BESIDE: f64 = 0.1;
 
-/// How to find foot points.
-pub(super) struct Search<const D: usize> {
+/// How to find foot points, however far.
+#[derive(Clone, Debug)]
+pub struct DistanceSearch<const D: usize> {
     /// The orthogonal projection.
-    pub(super) project: Project,
+    project: Project,
     /// Noise of the queries.
-    pub(super) noise: Option<Noise<D>>,
+    noise: Option<Noise<D>>,
     /// Error of the registration, a standard deviation.
-    pub(super) registration: f64,
+    registration: f64,
     /// Distances beyond are *outside*.
-    pub(super) largest: f64,
+    largest: f64,
 }
 
 /// Foot points, one row a query.
-pub(super) struct Feet<const D: usize> {
+#[derive(Clone, Debug)]
+pub struct Feet<const D: usize> {
     /// Everything but the registration; NaN where the status is not *ok*, foot points too.
-    pub(super) found: Uncertainties<D>,
+    pub found: Uncertainties<D>,
     /// How many were found by a walk along the surface.
-    pub(super) walked: usize,
+    pub walked: usize,
 }
 
-impl<const D: usize> Search<D> {
-    /// Finds the foot points. The surface's cloud has noise.
-    pub(super) fn feet(
+impl<const D: usize> DistanceSearch<D> {
+    /// As the recipe says, for queries of this noise.
+    pub fn of(recipe: &Recipe, noise: Option<Noise<D>>) -> Self {
+        Self {
+            project: recipe.project.unwrap_or_default().with_operator(Operator::Orthogonal),
+            noise,
+            registration: recipe.registration.unwrap_or(0.0),
+            largest: recipe.largest_distance.unwrap_or(f64::INFINITY),
+        }
+    }
+
+    /// Finds the foot points. The surface's cloud has noise, if only of 0: without any there is no bias either.
+    pub fn feet(
         &self,
         surface: &Surface<D>,
         queries: &[[f64; D]],

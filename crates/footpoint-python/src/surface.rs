@@ -1,0 +1,333 @@
+//! Surfaces in the plane and in space as one Python class.
+
+use crate::answers::{of_evaluations, of_feet, of_hits, of_orientation, of_projections};
+use crate::arrays::{Doubles, matrices, numbers, rows};
+use crate::errors::{of_job, of_orient, of_uncertainty, wrong};
+use crate::options::{self, Options};
+use crate::picture;
+use crate::work::How;
+use footpoint::{
+    Cloud, Noise, Orient, OrientError, Queries, Ray, Sign, Surface, Uncertainty, UncertaintyError, Want,
+};
+use footpoint_jobs::{Context, DistanceSearch, JobError, Recipe, Report, check_distance, surface_of_cloud};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// A surface, whose samples have noise, if only of 0: then distances have their bias.
+#[pyclass(frozen, name = "Surface", module = "footpoint._footpoint")]
+pub(crate) struct AnySurface {
+    surface: Either,
+    /// Whether the noise is known.
+    has_noise: bool,
+}
+
+enum Either {
+    Plane(Surface<2>),
+    Space(Surface<3>),
+}
+
+/// The same for both dimensions.
+macro_rules! of_either {
+    ($any:expr, $surface:ident => $body:expr) => {
+        match &$any.surface {
+            Either::Plane($surface) => $body,
+            Either::Space($surface) => $body,
+        }
+    };
+}
+
+/// Columns of the samples beside their positions.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Columns<'py> {
+    normals: Option<Doubles<'py>>,
+    supports: Option<Doubles<'py>>,
+    factors: Option<Doubles<'py>>,
+    noise: Option<Doubles<'py>>,
+}
+
+#[pymethods]
+impl AnySurface {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        points: Doubles<'_>,
+        columns: Columns<'_>,
+        definition: &Bound<'_, PyDict>,
+        how: How,
+    ) -> PyResult<Self> {
+        let recipe = options::recipe(&Options(definition))?;
+        let has_noise = columns.noise.is_some() || recipe.noise.is_some();
+        let surface = match points.shape() {
+            [_, 2] => Either::Plane(index(py, &points, &columns, (recipe, &how))?),
+            _ => Either::Space(index(py, &points, &columns, (recipe, &how))?),
+        };
+        Ok(Self { surface, has_noise })
+    }
+
+    /// f and what belongs to it, at points or at the samples.
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        at: Option<Doubles<'py>>,
+        want: Vec<String>,
+        how: How,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let want = options::want(&want)?;
+        if want.contains(Want::SIGMA) && !self.has_noise {
+            return Err(wrong("want", "sigma needs the noise of the samples: Surface(..., noise=)"));
+        }
+        of_either!(self, surface => {
+            let queries = queries(at.as_ref())?;
+            let count = count(surface, queries);
+            let found = how.run(py, count, |run| surface.with(run).evaluate(queries, want))?;
+            of_evaluations(py, found.map_err(|_| interrupted())?, want)
+        })
+    }
+
+    /// Points, or the samples, taken to the surface.
+    fn project<'py>(
+        &self,
+        py: Python<'py>,
+        points: Option<Doubles<'py>>,
+        query_noise: Option<Doubles<'py>>,
+        options: &Bound<'py, PyDict>,
+        how: How,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let project = options::project(&Options(options))?;
+        if query_noise.is_some() && (points.is_none() || !self.has_noise) {
+            return Err(wrong("query_noise", "it belongs to points x and a Surface with noise="));
+        }
+        of_either!(self, surface => {
+            let queries = queries(points.as_ref())?;
+            let count = count(surface, queries);
+            if !self.has_noise {
+                let found = how.run(py, count, |run| surface.with(run).project(queries, &project))?;
+                return of_projections(py, found.map_err(|_| interrupted())?, None);
+            }
+            let mut uncertainty = Uncertainty::new().with_project(project);
+            if let Some(noise) = noise(query_noise.as_ref())? {
+                uncertainty = uncertainty.with_query_noise(noise);
+            }
+            let found = how.run(py, count, |run| surface.with(run).uncertainty(queries, &uncertainty))?;
+            let found = found.map_err(|problem| uncertainty_error(&problem))?;
+            of_projections(py, found.feet, Some((found.sigma, found.bias)))
+        })
+    }
+
+    /// The foot point of every query, however far.
+    fn distance<'py>(
+        &self,
+        py: Python<'py>,
+        points: Doubles<'py>,
+        query_noise: Option<Doubles<'py>>,
+        options: &Bound<'py, PyDict>,
+        how: How,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let options = Options(options);
+        let recipe = Recipe {
+            largest_distance: options.number("largest")?,
+            registration: options.number("registration")?,
+            project: Some(options::project(&options)?),
+            // Only whether there is some is looked at.
+            query_noise: query_noise.is_some().then_some(0.0),
+            noise: self.has_noise.then_some(footpoint_jobs::NoiseSource::Uniform(0.0)),
+            ..Recipe::default()
+        };
+        check_distance(&recipe).map_err(|error| of_job(error, recipe.definition.support()))?;
+        of_either!(self, surface => {
+            let search = DistanceSearch::of(&recipe, noise(query_noise.as_ref())?);
+            let points = rows(&points)?;
+            let found = how.run(py, usize::MAX, |run| search.feet(surface, points, run))?;
+            of_feet(py, found.map_err(|problem| uncertainty_error(&problem))?, self.has_noise)
+        })
+    }
+
+    /// Where rays meet the surface.
+    fn cast<'py>(
+        &self,
+        py: Python<'py>,
+        origins: Doubles<'py>,
+        directions: Doubles<'py>,
+        options: &Bound<'py, PyDict>,
+        how: How,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let cast = options::cast(&Options(options))?;
+        of_either!(self, surface => {
+            let pairs = rows(&origins)?.iter().zip(rows(&directions)?);
+            let rays: Vec<_> = pairs.map(|(&origin, &direction)| Ray { origin, direction }).collect();
+            let found = how.run(py, rays.len(), |run| surface.with(run).cast(&rays, &cast))?;
+            of_hits(py, found.map_err(|_| interrupted())?)
+        })
+    }
+
+    /// Normals of the samples with signs that agree. `by` names the rule, `values` are its numbers: a vector, a row a
+    /// sample, or times and a path of rows (t, x, y, z).
+    fn orient<'py>(
+        &self,
+        py: Python<'py>,
+        by: &str,
+        values: Vec<Doubles<'py>>,
+        options: &Bound<'py, PyDict>,
+        how: How,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let options = Options(options);
+        let source = options::normal_source(&options)?;
+        let non_orientable = options::non_orientable(&options)?;
+        of_either!(self, surface => {
+            let mut path = Vec::new();
+            let rule = match (by, &values[..]) {
+                ("towards", [point]) => Orient::Towards(vector("towards", point)?),
+                ("along", [axis]) => Orient::Along(vector("along", axis)?),
+                ("sensors", [sensors]) => Orient::Sensors(rows(sensors)?),
+                ("trajectory", [times, stamps, positions]) => {
+                    path.extend(numbers(stamps)?.iter().copied().zip(rows(positions)?.iter().copied()));
+                    Orient::Trajectory { times: numbers(times)?, path: &path }
+                }
+                _ => Orient::Propagated(non_orientable),
+            };
+            let found = how.run(py, usize::MAX, |run| surface.with(run).orient(source, &rule))?;
+            of_orientation(py, found.map_err(|problem| match problem {
+                OrientError::Cancelled(_) => interrupted(),
+                problem => of_orient(&problem),
+            })?)
+        })
+    }
+
+    /// A picture as bytes, with how it was made.
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        values: Option<Doubles<'py>>,
+        to: Option<Bound<'py, Self>>,
+        options: &Bound<'py, PyDict>,
+        how: How,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let Either::Space(surface) = &self.surface else {
+            return Err(wrong("points", "they have 2 coordinates, which make a curve; pictures need 3"));
+        };
+        let to = match to.as_ref().map(|to| &to.get().surface) {
+            Some(Either::Space(to)) => Some(to),
+            Some(Either::Plane(_)) => return Err(wrong("to", "its points have 2 coordinates, not 3")),
+            None => None,
+        };
+        picture::render(py, (surface, to, values.as_ref()), &Options(options), &how)
+    }
+
+    /// The samples as they were given.
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        of_either!(self, surface => array(py, surface.cloud().points()))
+    }
+
+    /// Unit normals of the samples, NaN where there is none.
+    #[getter]
+    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        of_either!(self, surface => surface.cloud().normals().map(|normals| array(py, normals)).transpose())
+    }
+
+    /// What the surface says of itself.
+    #[getter]
+    fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let facts = PyDict::new(py);
+        of_either!(self, surface => {
+            let support = surface.support();
+            facts.set_item("support", (support.uniform, support.smallest, support.median, support.largest))?;
+            facts.set_item("dimension", dimension(surface))?;
+            facts.set_item("signed", surface.sign() == Sign::Given)?;
+            facts.set_item("samples", surface.cloud().len())?;
+            facts.set_item("samples_used", surface.samples_used())?;
+            facts.set_item("cell_side", surface.cell_side())?;
+            facts.set_item("degree", surface.definition().degree())?;
+            facts.set_item("noise", match surface.cloud().noise() {
+                Some(&Noise::Uniform(sigma)) if self.has_noise => Some(sigma),
+                _ => None,
+            })?;
+            facts.set_item("support_choice", surface.support_choice().map(|choice| {
+                (choice.effective_neighbours, choice.noise, choice.error_from_noise, choice.error_from_bias)
+            }))?;
+        });
+        Ok(facts)
+    }
+}
+
+/// The surface of these samples.
+fn index<const D: usize>(
+    py: Python<'_>,
+    points: &Doubles<'_>,
+    columns: &Columns<'_>,
+    (recipe, how): (Recipe, &How),
+) -> PyResult<Surface<D>> {
+    let support = recipe.definition.support();
+    let fit = |problem| of_job(JobError::Cloud { path: String::new(), problem }, support);
+    let noise = noise(columns.noise.as_ref())?.unwrap_or(Noise::Uniform(0.0));
+    let mut cloud = Cloud::new(rows::<D>(points)?).with_noise(noise).map_err(|e| wrong("noise", e))?;
+    if let Some(normals) = &columns.normals {
+        cloud = cloud.with_normals(rows::<D>(normals)?).map_err(fit)?;
+    }
+    if let Some(supports) = &columns.supports {
+        cloud = cloud.with_supports(numbers(supports)?).map_err(fit)?;
+    }
+    if let Some(factors) = &columns.factors {
+        cloud = cloud.with_factors(numbers(factors)?).map_err(fit)?;
+    }
+    let made = how.run(py, cloud.len(), |run| {
+        let context = Context { recipe, run: *run, ..Context::default() };
+        let mut report = Report::new("surface", context.recipe.clone());
+        surface_of_cloud(cloud, "points", &context, &mut report)
+    })?;
+    made.map_err(|error| of_job(error, support))
+}
+
+/// The samples themselves for no array.
+fn queries<'a, const D: usize>(at: Option<&'a Doubles<'_>>) -> PyResult<Queries<'a, D>> {
+    at.map_or(Ok(Queries::Samples), |at| rows(at).map(Queries::Points))
+}
+
+fn count<const D: usize>(surface: &Surface<D>, queries: Queries<'_, D>) -> usize {
+    match queries {
+        Queries::Points(points) => points.len(),
+        Queries::Samples => surface.cloud().len(),
+    }
+}
+
+fn dimension<const D: usize>(_: &Surface<D>) -> usize {
+    D
+}
+
+/// One figure, one a point, or one covariance a point, by the number of axes.
+fn noise<const D: usize>(array: Option<&Doubles<'_>>) -> PyResult<Option<Noise<D>>> {
+    array
+        .map(|array| {
+            Ok(match (array.ndim(), numbers(array)?) {
+                (0, &[sigma]) => Noise::Uniform(sigma),
+                (3, _) => Noise::Covariances(matrices(array)?),
+                (_, sigmas) => Noise::Each(sigmas.to_vec()),
+            })
+        })
+        .transpose()
+}
+
+fn vector<const D: usize>(argument: &str, array: &Doubles<'_>) -> PyResult<[f64; D]> {
+    let values = numbers(array)?;
+    <[f64; D]>::try_from(values)
+        .map_err(|_| wrong(argument, format!("{} numbers for {D} coordinates", values.len())))
+}
+
+fn array<'py, const D: usize>(py: Python<'py>, rows: &[[f64; D]]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), D])
+}
+
+fn uncertainty_error(problem: &UncertaintyError) -> PyErr {
+    match problem {
+        UncertaintyError::Cancelled(_) => interrupted(),
+        problem => of_uncertainty(problem),
+    }
+}
+
+/// Where work was cancelled the exception that did it is raised instead.
+pub(crate) fn interrupted() -> PyErr {
+    PyKeyboardInterrupt::new_err(())
+}
