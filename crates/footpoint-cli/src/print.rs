@@ -223,7 +223,9 @@ fn describe_picture(out: &mut String, render: &RenderReport) -> std::fmt::Result
 fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {
     writeln!(out, "columns: {}", info.columns.join(" "))?;
     let corner = |c: &[f64]| c.iter().map(|v| format!("{v}")).collect::<Vec<_>>().join(" ");
-    writeln!(out, "bounds: {} to {}", corner(&info.low), corner(&info.high))?;
+    if !info.low.is_empty() {
+        writeln!(out, "bounds: {} to {}", corner(&info.low), corner(&info.high))?;
+    }
     let flat = info.low.iter().zip(&info.high).any(|(low, high)| low == high);
     if flat && info.low.len() == 3 {
         writeln!(

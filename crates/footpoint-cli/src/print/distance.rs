@@ -40,11 +40,18 @@ pub(super) fn describe(out: &mut String, found: &DistanceReport) -> Result {
 fn bars(out: &mut String, histogram: &Histogram) -> Result {
     let most = histogram.counts.iter().copied().max().unwrap_or(0).max(1);
     let step = (histogram.high - histogram.low) / histogram.counts.len().max(1) as f64;
+    // One more than tells two bars apart.
+    let digits = (1.0 - step.log10().floor()).max(0.0) as i32;
     let middles: Vec<String> = (0..histogram.counts.len())
         .map(|i| {
             let middle = histogram.low + (i as f64 + 0.5) * step;
             // The bar around 0 has only rounding there.
-            format!("{:.3e}", if middle.abs() < 1e-9 * step { 0.0 } else { middle })
+            let middle = if middle.abs() < 1e-9 * step { 0.0 } else { middle };
+            if (0..=9).contains(&digits) {
+                format!("{middle:.0$}", digits as usize)
+            } else {
+                format!("{middle:.3e}")
+            }
         })
         .collect();
     let column = middles.iter().map(String::len).max().unwrap_or(0);
