@@ -58,7 +58,7 @@ pub use obj::ObjError;
 pub use options::{Bounds, ReadOptions, Watch};
 pub use output::{
     Overwrite, WriteError, WriteOptions, WriteProblem, check_file, check_table, check_writable, write,
-    write_file,
+    write_file, write_with,
 };
 pub use pcd::{PcdEncoding, PcdError, PcdKept};
 pub use ply::PlyError;

@@ -22,7 +22,7 @@ pub struct Bounds {
 
 /// Is told how far reading or writing has come.
 pub trait Watch: Sync {
-    /// So many of `all` are done: bytes or points. [`ControlFlow::Break`] ends the work.
+    /// So many of `all` are done: bytes or points; of a file that is written as many as there are so far. [`ControlFlow::Break`] ends the work.
     fn at(&self, done: u64, all: u64) -> ControlFlow<()>;
 }
 

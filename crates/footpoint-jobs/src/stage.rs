@@ -2,7 +2,9 @@
 
 use crate::{Context, JobError};
 use footpoint::{Progress, Run};
-use footpoint_io::{Bounds, Input, ReadOptions, ReadProblem, Table, Watch, WriteOptions, read_with, write};
+use footpoint_io::{
+    Bounds, Input, ReadOptions, ReadProblem, Table, Watch, WriteOptions, read_with, write_with,
+};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -45,8 +47,18 @@ impl Context<'_> {
     pub fn write(&self, path: &Path, table: &Table) -> Result<(), JobError> {
         self.begin(Stage::Write(path));
         let options = WriteOptions { overwrite: self.overwrite, ..WriteOptions::default() };
+        let written = write_with(path, table, &options, Some(&Stopping(&self.run)));
         // A file that is complete is kept: the work is done.
-        if self.run.is_cancelled() { Err(JobError::Cancelled) } else { Ok(write(path, table, &options)?) }
+        written.map_err(|error| if self.run.is_cancelled() { JobError::Cancelled } else { error.into() })
+    }
+}
+
+/// A run as the writer of a file sees it: how much there will be is not known.
+struct Stopping<'r>(&'r Run<'r>);
+
+impl Watch for Stopping<'_> {
+    fn at(&self, _: u64, _: u64) -> ControlFlow<()> {
+        if self.0.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 

@@ -1,7 +1,6 @@
 //! Writing E57: standard attributes for the columns that have one, an extension of ours for all others.
 
-use std::fs::File;
-use std::io;
+use std::io::{self, Read, Seek, Write};
 use std::ops::Range;
 
 use e57::{
@@ -56,11 +55,11 @@ pub(crate) fn check_table(table: &Table) -> Result<(), WriteProblem> {
 
 /// Writes the table: a scan for each value of the column `scan` where a file of several scans was read, else one.
 /// Points without finite coordinates are marked as invalid.
-pub(crate) fn write(file: &mut File, table: &Table) -> io::Result<()> {
+pub(crate) fn write(file: &mut (impl Read + Write + Seek), table: &Table) -> io::Result<()> {
     write_all(file, table).map_err(io::Error::other)
 }
 
-fn write_all(file: &mut File, table: &Table) -> e57::Result<()> {
+fn write_all(file: &mut (impl Read + Write + Seek), table: &Table) -> e57::Result<()> {
     let empty = E57Kept::default();
     let kept = kept(table).unwrap_or(&empty);
     let scans = scans(table);

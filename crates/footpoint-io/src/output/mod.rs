@@ -5,6 +5,7 @@ pub(crate) mod number;
 mod obj;
 mod ply;
 mod text;
+mod watched;
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -13,7 +14,8 @@ use tempfile::NamedTempFile;
 use thiserror::Error;
 
 use crate::format::{Target, WRITABLE, is_copc};
-use crate::{Encoding, LasMisfit, PcdEncoding, Table, e57, las, pcd};
+use crate::{Encoding, LasMisfit, PcdEncoding, Table, Watch, e57, las, pcd};
+use watched::Watched;
 
 const BUFFER: usize = 1 << 20;
 
@@ -165,11 +167,21 @@ pub fn check_table(path: &Path, table: &Table) -> Result<(), WriteError> {
 /// in one step when it is complete, and is removed on any error. Fails as [`check_writable`] and
 /// [`check_table`] do, and on a full disk.
 pub fn write(path: &Path, table: &Table, options: &WriteOptions) -> Result<(), WriteError> {
+    write_with(path, table, options, None)
+}
+
+/// [`write()`], with someone who may end it: is asked now and then, and told how many bytes have been written.
+pub fn write_with(
+    path: &Path,
+    table: &Table,
+    options: &WriteOptions,
+    watch: Option<&dyn Watch>,
+) -> Result<(), WriteError> {
     let target = at(path, || {
         let target = target_of(path)?;
         check_columns(target, table).map(|()| target)
     })?;
-    write_file(path, options.overwrite, |file| fill(file, target, table, options))
+    write_file(path, options.overwrite, |file| fill(Watched::new(file, watch), target, table, options))
 }
 
 /// Checks, before any work is done, that [`write_file`] could put a file at `path`, whatever its format.
@@ -219,7 +231,7 @@ fn target_of(path: &Path) -> Result<Target, WriteProblem> {
     }
 }
 
-fn fill(file: &mut std::fs::File, target: Target, table: &Table, options: &WriteOptions) -> io::Result<()> {
+fn fill(file: Watched<'_>, target: Target, table: &Table, options: &WriteOptions) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(BUFFER, file);
     match target {
         Target::Ply => ply::write(&mut out, table, options.ply)?,

@@ -34,7 +34,7 @@ class Status(IntEnum):
     """A coordinate is not finite, or too large to be told apart within a support."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(slots=True, eq=False, repr=False)
 class Answers:
     """Results with a status each."""
 
@@ -56,7 +56,7 @@ class Answers:
         return f"<{type(self).__name__}: {', '.join(words) or 'empty'}; {', '.join(given)}>"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(slots=True, eq=False, repr=False)
 class Curvatures:
     """Curvatures of the level set of f through each point, one over a length: positive where the surface bends toward
     minus the gradient, as on a sphere with outward gradient. They flip with the sign of f."""
@@ -74,7 +74,7 @@ class Curvatures:
         return f"<Curvatures of {np.size(self.mean)} points: mean, gaussian, principal, directions>"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(slots=True, eq=False, repr=False)
 class Evaluations(Answers):
     """f and what belongs to it. Columns that were not wanted are None. `status` is OK, OUTSIDE, DEGENERATE, SINGULAR (no
     gradient, hence no surface normal) or INVALID."""
@@ -115,7 +115,7 @@ class Evaluations(Answers):
     """The degree of the polynomial that answered, shape (n,)."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(slots=True, eq=False, repr=False)
 class Projections(Answers):
     """Points taken to the surface. What has no answer stays where it was; its numbers are NaN."""
 
@@ -137,7 +137,7 @@ class Projections(Answers):
     """What the distance is too large by where the surface is curved, a length, shape (n,); None without noise."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(slots=True, eq=False, repr=False)
 class Distances(Answers):
     """Foot points of queries, however far, and distances to them; NaN where the status is not OK."""
 
@@ -155,7 +155,7 @@ class Distances(Answers):
     """Standard deviation of the distance, a length, shape (n,); None without noise."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(slots=True, eq=False, repr=False)
 class Hits(Answers):
     """Where rays meet the surface; NaN where they do not. The status of a ray that meets nothing is OUTSIDE."""
 
@@ -173,7 +173,7 @@ class Hits(Answers):
     """Evaluations of f that were spent, shape (n,)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Component:
     """A connected part of a cloud, as orientation saw it."""
 
@@ -189,7 +189,7 @@ class Component:
     """Whether its signs can agree, up to what noise explains; not so on a Moebius strip."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(slots=True, eq=False, repr=False)
 class Orientation(Answers):
     """Normals of the samples with signs that agree."""
 
@@ -207,7 +207,7 @@ class Orientation(Answers):
     """Number of each sample's component, -1 for none, shape (n,)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Support:
     """The support radii of a surface, lengths."""
 
@@ -218,7 +218,7 @@ class Support:
     largest: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class SupportChoice:
     """Why "best" chose the support that it did. Lengths, NaN where nothing was found to estimate them by."""
 
@@ -241,7 +241,7 @@ def shaped(found: dict[str, Any], shape: tuple[int, ...]) -> dict[str, Any]:
         if isinstance(column, dict):
             result[name] = shaped(column, shape)
         elif isinstance(column, np.ndarray):
-            result[name] = column.reshape(shape + column.shape[1:])[()]
+            result[name] = column.reshape(shape + column.shape[1:]) if shape else column[0]
         else:
             result[name] = column
     return result
