@@ -38,7 +38,11 @@ impl Shared {
     }
 
     fn work<T>(&self, threads: usize, work: impl FnOnce(&Run<'_>) -> T) -> T {
-        let report = |progress: Progress| *self.seen() = Some(progress);
+        let report = |now: Progress| {
+            let mut seen = self.seen();
+            // Threads may come here in another order than that in which they counted.
+            *seen = Some(seen.filter(|seen| seen.total == now.total && seen.done > now.done).unwrap_or(now));
+        };
         work(&Run::new().threads(threads).cancel(&self.cancel).progress(&report))
     }
 }
@@ -102,7 +106,7 @@ impl How {
             shared.cancel.store(ticked.is_err(), Ordering::Relaxed);
             ticked?;
             match result {
-                Ok(result) => return Ok(Some(result)),
+                Ok(result) => return self.end(shared).map(|()| Some(result)),
                 Err(RecvTimeoutError::Disconnected) => return Ok(None),
                 Err(RecvTimeoutError::Timeout) => {}
             }
@@ -114,11 +118,22 @@ impl How {
         py.check_signals()?;
         let Some(callback) = &self.progress else { return Ok(()) };
         // The lock is not held while Python runs.
-        let latest = shared.seen().take();
+        let latest = *shared.seen();
         if let Some(Progress { done, total }) = latest {
             callback.call1(py, (done, total))?;
         }
         Ok(())
+    }
+
+    /// Tells that all is done: of files it is known only now.
+    fn end(&self, shared: &Shared) -> PyResult<()> {
+        let latest = shared.seen().filter(|latest| latest.done < latest.total);
+        match (&self.progress, latest) {
+            (Some(callback), Some(Progress { total, .. })) => {
+                Python::attach(|py| callback.call1(py, (total, total)).map(drop))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -66,6 +66,16 @@ def test_results_tell_something(sphere: Floats) -> None:
     assert best.support.uniform and surface.support_choice is None and surface.cell_side > 0
 
 
+def test_what_was_not_computed_says_how_to_have_it(sphere: Floats) -> None:
+    surface = footpoint.Surface(sphere)
+    with pytest.raises(AttributeError, match=r'hessian: it was not wanted: evaluate\(x, want=\["hessian", ...\]\)'):
+        surface.evaluate(sphere).hessian
+    with pytest.raises(AttributeError, match="sigma: it needs the noise"):
+        surface.project(sphere).sigma
+    with pytest.raises(AttributeError, match="no attribute 'normals'"):
+        surface.project(sphere).normals
+
+
 def test_the_package_is_typed() -> None:
     folder = Path(footpoint.__file__).parent
     assert (folder / "py.typed").exists() and (folder / "_footpoint.pyi").exists()

@@ -73,8 +73,8 @@ def test_progress_reaches_the_total() -> None:
 
 def test_every_call_tells_of_progress(sphere: Floats, tmp_path: Path) -> None:
     surface = footpoint.Surface(sphere)
-    path = tmp_path / "points.ply"
-    footpoint.write(path, sphere)
+    path = tmp_path / "points.csv"
+    footpoint.write(path, sphere_of(100_000))
     calls: dict[str, Any] = {
         "evaluate": lambda p: surface.evaluate(progress=p),
         "curvature": lambda p: surface.curvature(progress=p),

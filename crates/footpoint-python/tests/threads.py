@@ -37,7 +37,8 @@ def test_two_threads_are_faster_than_one() -> None:
     with ThreadPoolExecutor(2) as pool:
         for _ in range(5):
             begin = time.perf_counter()
-            work(), work()
+            work()
+            work()
             between = time.perf_counter()
             list(pool.map(work, range(2)))
             ratios.append((between - begin) / (time.perf_counter() - between))
