@@ -273,7 +273,7 @@ fn index<const D: usize>(
     if let Some(factors) = &columns.factors {
         cloud = cloud.with_factors(numbers(factors)?).map_err(fit)?;
     }
-    let made = how.run(py, cloud.len(), |run| {
+    let made = how.run_owned(py, cloud.len(), move |run| {
         let context = Context { recipe, run: *run, ..Context::default() };
         let mut report = Report::new("surface", context.recipe.clone());
         surface_of_cloud(cloud, "points", &context, &mut report)

@@ -1,12 +1,13 @@
 //! Work without Python's lock: progress, and interrupts that are heard.
 
 use footpoint::{Progress, Run};
-use pyo3::exceptions::PyOSError;
+use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
+use std::io;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Mutex, PoisonError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -24,6 +25,28 @@ pub(crate) struct How {
     progress: Option<Py<PyAny>>,
 }
 
+/// What the calling thread and the one that works know of each other.
+#[derive(Default)]
+struct Shared {
+    cancel: AtomicBool,
+    seen: Mutex<Option<Progress>>,
+}
+
+impl Shared {
+    fn seen(&self) -> MutexGuard<'_, Option<Progress>> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn work<T>(&self, threads: usize, work: impl FnOnce(&Run<'_>) -> T) -> T {
+        let report = |now: Progress| {
+            let mut seen = self.seen();
+            // Threads may come here in another order than that in which they counted.
+            *seen = Some(seen.filter(|seen| seen.total == now.total && seen.done > now.done).unwrap_or(now));
+        };
+        work(&Run::new().threads(threads).cancel(&self.cancel).progress(&report))
+    }
+}
+
 impl How {
     /// Does `work` on so many points while other Python threads run.
     ///
@@ -38,42 +61,87 @@ impl How {
         if points < FEW && self.progress.is_none() {
             return Ok(py.detach(|| work(&Run::new().threads(self.threads))));
         }
-        let cancel = AtomicBool::new(false);
-        let seen = Mutex::new(None);
-        let report =
-            |progress: Progress| *seen.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress);
-        let run = Run::new().threads(self.threads).cancel(&cancel).progress(&report);
+        let (shared, threads) = (&Shared::default(), self.threads);
         py.detach(|| {
             thread::scope(|scope| {
-                let (done, ended) = mpsc::channel::<()>();
-                let worker = thread::Builder::new().spawn_scoped(scope, || {
-                    // Hung up when the work ends, also by a panic.
-                    let _done = done;
-                    work(&run)
-                });
-                let worker = worker.map_err(|error| PyOSError::new_err(error.to_string()))?;
-                let mut heard = Ok(());
-                while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
-                    if heard.is_ok() {
-                        heard = Python::attach(|py| self.tick(py, &seen));
-                        cancel.store(heard.is_err(), Ordering::Relaxed);
-                    }
+                let (tell, told) = mpsc::channel();
+                let task = move || drop(tell.send(shared.work(threads, work)));
+                let worker = thread::Builder::new().spawn_scoped(scope, task).map_err(no_thread)?;
+                match self.listen(shared, &told)? {
+                    Some(result) => Ok(result),
+                    None => Err(worker.join().map_or_else(|panic| resume_unwind(panic), |()| silent())),
                 }
-                let result = worker.join().unwrap_or_else(|panic| resume_unwind(panic));
-                heard.and_then(|()| Python::attach(|py| self.tick(py, &seen)))?;
-                Ok(result)
             })
         })
     }
 
+    /// The same for work that owns what it needs: an interrupt does not wait until it ends.
+    pub(crate) fn run_owned<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        points: usize,
+        work: impl FnOnce(&Run<'_>) -> T + Send + 'static,
+    ) -> PyResult<T> {
+        if points < FEW && self.progress.is_none() {
+            return self.run(py, points, work);
+        }
+        let shared = Arc::new(Shared::default());
+        let (theirs, threads) = (Arc::clone(&shared), self.threads);
+        py.detach(|| {
+            let (tell, told) = mpsc::channel();
+            let task = move || drop(tell.send(theirs.work(threads, work)));
+            let worker = thread::Builder::new().spawn(task).map_err(no_thread)?;
+            match self.listen(&shared, &told)? {
+                Some(result) => Ok(result),
+                None => Err(worker.join().map_or_else(|panic| resume_unwind(panic), |()| silent())),
+            }
+        })
+    }
+
+    /// Waits for the result, with an ear for Python; none where the worker panicked.
+    fn listen<T>(&self, shared: &Shared, told: &Receiver<T>) -> PyResult<Option<T>> {
+        loop {
+            let result = told.recv_timeout(TICK);
+            let ticked = Python::attach(|py| self.tick(py, shared));
+            shared.cancel.store(ticked.is_err(), Ordering::Relaxed);
+            ticked?;
+            match result {
+                Ok(result) => return self.end(shared).map(|()| Some(result)),
+                Err(RecvTimeoutError::Disconnected) => return Ok(None),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+    }
+
     /// Handles signals and tells of progress.
-    fn tick(&self, py: Python<'_>, seen: &Mutex<Option<Progress>>) -> PyResult<()> {
+    fn tick(&self, py: Python<'_>, shared: &Shared) -> PyResult<()> {
         py.check_signals()?;
         let Some(callback) = &self.progress else { return Ok(()) };
-        let latest = seen.lock().unwrap_or_else(PoisonError::into_inner).take();
+        // The lock is not held while Python runs.
+        let latest = *shared.seen();
         if let Some(Progress { done, total }) = latest {
             callback.call1(py, (done, total))?;
         }
         Ok(())
     }
+
+    /// Tells that all is done: of files it is known only now.
+    fn end(&self, shared: &Shared) -> PyResult<()> {
+        let latest = shared.seen().filter(|latest| latest.done < latest.total);
+        match (&self.progress, latest) {
+            (Some(callback), Some(Progress { total, .. })) => {
+                Python::attach(|py| callback.call1(py, (total, total)).map(drop))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn no_thread(problem: io::Error) -> PyErr {
+    PyOSError::new_err(format!("threads: none can be made here: {problem}"))
+}
+
+/// What cannot happen: a worker that ends without a result and without a panic.
+fn silent() -> PyErr {
+    PyRuntimeError::new_err("the work ended without a result")
 }

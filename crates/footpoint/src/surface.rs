@@ -78,6 +78,7 @@ impl<const D: usize> Surface<D> {
         run.check()?;
         let reach = definition.weight().reach();
         let grid = Grid::new(&cloud, &radii, support.largest, reach, definition.precision(), run);
+        run.check()?;
         if grid.len() == 0 {
             return Err(SupportError::NoSample(cloud.len()).into());
         }

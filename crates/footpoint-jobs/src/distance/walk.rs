@@ -231,7 +231,8 @@ impl<const D: usize> Starts<D> {
         (how, rank, limit): (&Project, NonZero<usize>, f64),
         run: &Run<'_>,
     ) -> Result<Vec<Walker<D>>, Cancelled> {
-        let near: Vec<Option<usize>> = queries.iter().map(|&at| self.near(at, rank)).collect();
+        let near = |&at: &[f64; D]| if run.is_cancelled() { Err(Cancelled) } else { Ok(self.near(at, rank)) };
+        let near: Vec<Option<usize>> = queries.iter().map(near).collect::<Result<_, _>>()?;
         let feet: Vec<[f64; D]> = near.iter().flatten().map(|&i| self.feet[i]).collect();
         let quiet = run.silent();
         let mut supports =

@@ -22,7 +22,7 @@ def doubles(values: npt.ArrayLike, name: str) -> Floats:
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: values of type {array.dtype}, but real numbers are wanted")
     if isinstance(array, np.ma.MaskedArray):
-        array = array.astype(np.float64).filled(np.nan)
+        array = np.ma.filled(array.astype(np.float64), np.nan)
     return np.require(array, np.float64, ["C", "A", "E"])
 
 

@@ -135,6 +135,9 @@ class Cloud:
                 problem = f"shape {np.shape(values)}, but {(len(self),)} is wanted"
                 raise ValueError(f"columns[{name!r}]: {problem}")
 
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        return self.points.astype(np.float64 if dtype is None else dtype, copy=bool(copy))
+
     def __len__(self) -> int:
         return len(self.columns[self._coordinates[0]])
 

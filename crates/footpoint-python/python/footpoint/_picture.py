@@ -118,7 +118,7 @@ def render(
         values = _shares(colours, (len(surface), 3))
     other = None
     if to is not None:
-        more = {} if isinstance(to, Surface) else options
+        more: SurfaceOptions = {} if isinstance(to, Surface) else options
         other = surface_of(to, None, more, (threads, progress))._core
     wishes = {
         "shading": shown,

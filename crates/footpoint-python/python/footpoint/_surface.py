@@ -250,9 +250,7 @@ class Surface:
         For those of the surface itself ask at projected points. NaN where f has no gradient; `evaluate(x, ["curvature"])` gives
         the status too.
         """
-        found = self.evaluate(x, ("curvature",), threads=threads, progress=progress).curvature
-        assert found is not None
-        return found
+        return self.evaluate(x, ("curvature",), threads=threads, progress=progress).curvature
 
     def project(
         self,
@@ -407,8 +405,6 @@ class Surface:
     def _queries(self, x: npt.ArrayLike | None, name: str) -> tuple[Floats | None, tuple[int, ...]]:
         if x is None:
             return None, (len(self),)
-        if isinstance(x, Cloud):
-            x = x.points
         return _arrays.queries(x, name, self._facts["dimension"])
 
     def _noise(self, values: npt.ArrayLike, shape: tuple[int, ...]) -> Floats:

@@ -1,0 +1,43 @@
+//! Times one evaluation of a batch on one thread, for fronts that compare theirs with it: `batch CLOUD POINTS`, both files
+//! of doubles, three a point, as the machine has them. Prints the least of some times, in seconds.
+
+use footpoint::{Cloud, Definition, Run, Surface, Want};
+use std::error::Error;
+use std::path::Path;
+use std::time::Instant;
+
+/// The columns that fronts compute unless they are asked for others.
+const USUAL: [Want; 8] = [
+    Want::VALUE,
+    Want::AVERAGE,
+    Want::FRAME_NORMAL,
+    Want::GRADIENT,
+    Want::SURFACE_NORMAL,
+    Want::GAP,
+    Want::NEIGHBOURS,
+    Want::EFFECTIVE_NEIGHBOURS,
+];
+
+fn points(path: &Path) -> std::io::Result<Vec<[f64; 3]>> {
+    let bytes = std::fs::read(path)?;
+    let numbers: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|&eight| f64::from_ne_bytes(eight)).collect();
+    Ok(numbers.as_chunks::<3>().0.to_vec())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let files: Vec<_> = std::env::args_os().skip(1).collect();
+    let [cloud, at] = &files[..] else { return Err("usage: batch CLOUD POINTS".into()) };
+    let surface = Surface::new(Cloud::new(points(cloud.as_ref())?), Definition::default())?;
+    let at = points(at.as_ref())?;
+    let want = USUAL.into_iter().reduce(|a, b| a | b).unwrap_or(Want::VALUE);
+    let run = Run::new().threads(1);
+    let mut best = f64::INFINITY;
+    for _ in 0..5 {
+        let begin = Instant::now();
+        let found = surface.with(&run).evaluate(&at, want)?;
+        best = best.min(begin.elapsed().as_secs_f64());
+        assert_eq!(found.value.len(), at.len());
+    }
+    println!("{best}");
+    Ok(())
+}
