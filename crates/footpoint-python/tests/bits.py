@@ -243,7 +243,7 @@ def test_render(command: Command, folder: Path) -> None:
     cloud = footpoint.read(folder / "cloud.ply")
     colours = stacked(cloud, "red", "green", "blue")
     far: Any = folder / "far.ply"
-    small = {"size": (64, 48), "samples": 1}
+    small: dict[str, Any] = {"size": (64, 48), "samples": 1}
     cases: list[tuple[tuple[Any, ...], dict[str, Any]]] = [
         ((), {}),
         (("--shading", "frame"), {"shading": "frame"}),
