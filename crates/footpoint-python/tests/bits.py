@@ -243,7 +243,7 @@ def test_render(command: Command, folder: Path) -> None:
     cloud = footpoint.read(folder / "cloud.ply")
     colours = stacked(cloud, "red", "green", "blue")
     far: Any = folder / "far.ply"
-    small = {"size": (64, 48), "samples": 1}
+    small: dict[str, Any] = {"size": (64, 48), "samples": 1}
     cases: list[tuple[tuple[Any, ...], dict[str, Any]]] = [
         ((), {}),
         (("--shading", "frame"), {"shading": "frame"}),
@@ -257,21 +257,34 @@ def test_render(command: Command, folder: Path) -> None:
         (("--to", far), {"to": footpoint.read(far)}),
         (("--background", "transparent"), {"background": "transparent"}),
         (("--background", "#102030"), {"background": "#102030"}),
-        (("--occlusion", "4"), {"occlusion": 4}),
         (("--view", "top"), {"view": "top"}),
         (("--look-from", "3,2,1", "--look-at", "0,0,0.5", "--look-up", "0,1,0"), {"look_from": (3, 2, 1), "look_at": (0, 0, 0.5), "look_up": (0, 1, 0)}),
         (("--camera", "orthographic", "--view-height", "5"), {"camera": "orthographic", "view_height": 5}),
         (("--fov", "90", "--look-from", "3,2,1"), {"fov": 90, "look_from": (3, 2, 1)}),
         (("--samples", "4", "--size", "60x40"), {"samples": 4, "size": (60, 40)}),
     ]
-    seen = set()
+    seen: set[bytes] = set()
     for words, options in cases:
         out = folder / "picture.png"
         usual = () if "--size" in words else ("--size", "64x48", "--samples", "1")
         command("render", folder / "cloud.ply", "-o", out, "--force", *usual, *words)
         found = footpoint.render(cloud, **(small | options))
         same(found, pixels(out)[..., : found.shape[2]])
+        assert found.tobytes() not in seen, words
         seen.add(found.tobytes())
-    assert len(seen) == len(cases)
+
+
+def test_hollows_are_darkened(command: Command, folder: Path) -> None:
+    """Of which a sphere has none."""
+    points = sphere_of(3000)
+    away = points - np.array([1, -1, 1]) / np.sqrt(3)
+    points *= 1.0 - 0.5 * np.exp(-5.0 * (away * away).sum(axis=1, keepdims=True))
+    footpoint.write(folder / "dent.ply", points)
+    words = ("--size", "64x48", "--samples", "1", "--occlusion", "9", "--view", "iso")
+    command("render", folder / "dent.ply", "-o", folder / "dent.png", *words)
+    options: Any = {"size": (64, 48), "samples": 1, "view": "iso"}
+    found = footpoint.render(points, occlusion=9, **options)
+    same(found, pixels(folder / "dent.png")[..., :3])
+    assert found.sum() < footpoint.render(points, **options).sum()
 
 

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[3]
 def sphere_of(count: int, seed: int = 1) -> Floats:
     """Points on the unit sphere."""
     points = np.random.default_rng(seed).normal(size=(count, 3))
-    return points / np.linalg.norm(points, axis=1, keepdims=True)
+    return np.asarray(points / np.linalg.norm(points, axis=1, keepdims=True))
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,7 @@
 """Calls cost what the library's cost, in time and memory; `python cost.py` prints the numbers.
 
 The bounds here are generous, for machines where others are at work. FOOTPOINT_LIBRARY names the program that times the
-library: target/release/examples/batch of the crate footpoint.
+library: target/release/examples/batch of the crate footpoint-jobs.
 """
 
 from __future__ import annotations

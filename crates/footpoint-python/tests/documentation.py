@@ -59,7 +59,7 @@ def test_results_tell_something(sphere: Floats) -> None:
     assert repr(found).startswith("<Projections: 3999 ok, 1 outside; point, surface_normal")
     assert len(found) == 4000 and found.ok.sum() == 3999
     assert repr(footpoint.Cloud(sphere)) == "<Cloud: 4000 points in 3-D; x y z>"
-    assert footpoint.Status.NOT_CONVERGED == 5 and footpoint.Status(found.status[0]).name == "OUTSIDE"
+    assert int(footpoint.Status.NOT_CONVERGED) == 5 and footpoint.Status(found.status[0]).name == "OUTSIDE"
     best = footpoint.Surface(sphere, auto="best", noise="auto", degree="auto")
     assert best.support_choice is not None and best.support_choice.effective_neighbours > 2
     assert best.noise is not None and best.noise < 1e-3 and best.degree in (0, 1, 2, 3)

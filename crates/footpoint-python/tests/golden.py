@@ -51,7 +51,7 @@ def test_golden_numbers(shared: Path, name: str) -> None:
         assert found.value == pytest.approx(sign * case["f"], abs=1e-11 * h)
         assert np.linalg.norm(np.asarray(found.average) - case["a"]) < 1e-11 * h + ulp
         assert np.linalg.norm(sign * np.asarray(found.frame_normal) - case["n"]) < 1e-11
-        assert np.linalg.norm(sign * gradient - expected) < 1e-11 * max(1.0, np.linalg.norm(expected))
+        assert np.linalg.norm(sign * gradient - expected) < 1e-11 * max(1.0, float(np.linalg.norm(expected)))
         if case.get("hessian") is not None:
             second = np.array(case["hessian"])
             assert np.abs(sign * np.asarray(found.hessian) - second).max() < 1e-7 * np.abs(second).max()

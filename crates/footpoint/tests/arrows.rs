@@ -5,12 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What each crate may use of the others.
-const CRATES: [(&str, &[&str]); 5] = [
+const CRATES: [(&str, &[&str]); 6] = [
     ("footpoint", &[]),
     ("footpoint-io", &[]),
     ("footpoint-render", &["footpoint"]),
     ("footpoint-jobs", &["footpoint", "footpoint-io", "footpoint-render"]),
     ("footpoint-cli", &["footpoint-jobs"]),
+    ("footpoint-python", &["footpoint", "footpoint-io", "footpoint-render", "footpoint-jobs"]),
 ];
 
 /// The library's rooms, lowest first: each may use only those before it.

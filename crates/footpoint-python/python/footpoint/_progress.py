@@ -38,7 +38,7 @@ class _Bar:
         self._total = -1
         self._bar: Any = None
         try:
-            from tqdm.auto import tqdm
+            from tqdm.auto import tqdm  # pyright: ignore[reportMissingModuleSource]
         except ImportError:
             self._make: Any = None
         else:

@@ -39,7 +39,7 @@ class Status(IntEnum):
 class Answers:
     """Columns by name, one row a query; a column that was not computed is an AttributeError that says how to have it."""
 
-    __slots__ = ()
+    __slots__: tuple[str, ...] = ()
     _absent = "it was not computed"
 
     def __init__(self, **columns: Any) -> None:

@@ -190,7 +190,8 @@ class Surface:
         supports, factors, noise = columns
         if isinstance(points, Cloud):
             points._check()
-            points, normals = points.points, points.normals if normals is None else normals
+            normals = points.normals if normals is None else normals
+            points = points.points
         rows = _arrays.points(points, "points")
         count, dimension = rows.shape
         estimated = isinstance(noise, str)
