@@ -155,7 +155,7 @@ def test_types_hold(checker: list[str], tmp_path: Path) -> None:
     (tmp_path / "wrong.py").write_text("import footpoint\n\nfootpoint.Surface([[0.0, 0.0]], radus=1)\n")
     files = [str(path) for path in sorted(EXAMPLES.glob("*.py"))]
     printed = run([sys.executable, "-m", *checker, *options, *files, "wrong.py"], tmp_path, succeeds=False)
-    complaints = re.findall(r"^.*\berror:? .*$", printed, re.M)
+    complaints = re.findall(r"^.*\berror: .*$", printed, re.M)
     assert len(complaints) == 1 and "wrong.py:3" in complaints[0] and "radus" in complaints[0], printed
 
 
