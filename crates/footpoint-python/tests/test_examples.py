@@ -40,8 +40,8 @@ RUNS: dict[str, tuple[str, list[tuple[str, float, float]]]] = {
             (r"(\d+) normals outward", 19_990, 20_000),
             (r"mean radius ([\d.]+)", 0.997, 0.9995),
             (r"deviation ([\d.]+)", 0, 0.0025),
-            (r"truth: ([\d.]+) degrees", 0, 4.0),
-            (r"Open3D's ([\d.]+)", 4.1, 6.0),
+            (r"truth: ([\d.]+) degrees", 0, 2.6),
+            (r"Open3D's ([\d.]+)", 3.2, 4.0),
         ],
     ),
     "pyvista_curvature": (
