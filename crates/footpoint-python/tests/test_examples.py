@@ -17,7 +17,7 @@ import footpoint
 
 HOUSE = Path(__file__).resolve().parents[3]
 EXAMPLES = HOUSE / "crates/footpoint-python/examples"
-PAGES = ("README.md", "docs/python.md", "crates/footpoint-python/README.md")
+PAGES = ("docs/python.md", "crates/footpoint-python/README.md")
 # What a page's blocks may need, beside NumPy.
 OPTIONAL = ("PIL", "matplotlib", "open3d", "pyvista", "polyscope", "laspy")
 # Each example: the library it is about, and what it prints, with bounds on the numbers in it.
@@ -171,3 +171,25 @@ def test_page_runs_as_printed(page: str, tmp_path: Path) -> None:
         footpoint.write(tmp_path / file, hill(seed), columns={"intensity": np.arange(4000, dtype=np.uint16)})
     (tmp_path / "page.py").write_text("\n".join(code), encoding="utf-8")
     run([sys.executable, "page.py"], tmp_path)
+
+
+def test_readme_tells_what_its_lines_do(tmp_path: Path) -> None:
+    """The errors and the picture in the README are those of its Python section."""
+    needs("PIL")
+    from PIL import Image
+
+    text = (HOUSE / "README.md").read_text(encoding="utf-8")
+    run([sys.executable, "-c", "\n".join(blocks("README.md")) + "\nnp.save('scan.npy', scan)"], tmp_path)
+    told = re.search(r"The points lie ([\d.]+) from the true ball before, ([\d.]+) after", text)
+    assert told
+    smooth = footpoint.read(tmp_path / "smooth.ply")
+    for points, error in ((np.load(tmp_path / "scan.npy"), told[1]), (smooth.points, told[2])):
+        radii = np.linalg.norm(points, axis=1)
+        truth = 1 + 0.3 * np.sin(4 * points / radii[:, None]).prod(axis=1)
+        assert np.sqrt(np.mean((radii - truth) ** 2)) == pytest.approx(float(error), abs=5e-5)
+    assert smooth.normals is not None and ((smooth.normals * smooth.points).sum(axis=1) > 0).all()
+    drawn, kept = (
+        np.asarray(Image.open(path), dtype=float)
+        for path in (tmp_path / "scan.png", HOUSE / "docs/images/python.png")
+    )
+    assert drawn.shape == kept.shape and np.abs(drawn - kept).mean() < 0.5
