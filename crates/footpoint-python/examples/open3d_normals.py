@@ -48,7 +48,7 @@ def main() -> None:
         points = np.asarray(smooth.points)
         outward = (points * np.asarray(smooth.normals)).sum(axis=1) > 0
         radii = np.linalg.norm(points, axis=1)
-        cloud.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(32))
+        cloud.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(32))  # as many as our effective ones
         theirs = degrees(cloud.normals, np.asarray(cloud.points))
         print(f"{outward.sum()} normals outward; mean radius {radii.mean():.4f}, deviation {radii.std():.4f}")
         print(f"angle to the truth: {degrees(smooth.normals, points):.2f} degrees, Open3D's {theirs:.2f}")

@@ -13,11 +13,11 @@ import pytest
 
 import footpoint
 
-for library in ("nbformat", "nbclient", "ipykernel", "matplotlib"):
-    pytest.importorskip(library, reason=f"{library} is not installed: pip install -r examples/requirements.txt")
-
-import nbformat  # noqa: E402
-from nbclient import NotebookClient  # noqa: E402
+WANTED = "is not installed: pip install -r examples/requirements.txt"
+nbformat = pytest.importorskip("nbformat", reason=f"nbformat {WANTED}")
+nbclient = pytest.importorskip("nbclient", reason=f"nbclient {WANTED}")
+for library in ("ipykernel", "matplotlib"):
+    pytest.importorskip(library, reason=f"{library} {WANTED}")
 
 FILE = Path(__file__).resolve().parents[3] / "docs/notebooks/the_paper.ipynb"
 
@@ -44,7 +44,8 @@ def test_runs_and_shows_what_is_stored(monkeypatch: pytest.MonkeyPatch, tmp_path
     notebook, begin = stored(), time.monotonic()
     for cell in code(notebook):
         cell.outputs = []
-    NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}).execute()
+    place = {"metadata": {"path": str(tmp_path)}}
+    nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources=place).execute()
     assert time.monotonic() - begin < 240  # 12 s on two idle cores
     assert [shown(cell) for cell in code(notebook)] == [shown(cell) for cell in code(stored())]
 
