@@ -52,7 +52,7 @@ pub struct RenderPlan {
     pub across: usize,
     /// What lies behind.
     pub background: Background,
-    /// Whether light falls on colours that stand for numbers.
+    /// Whether light falls on colours.
     pub relief: Relief,
     /// Rays for shadows in hollows, from every point that is seen; 0 for none.
     pub occlusion: usize,

@@ -3,7 +3,7 @@
 use crate::errors::{of_file, wrong};
 use crate::work::How;
 use footpoint_io::roles::Roles;
-use footpoint_io::{Column, Data, Frame, Kept, Overwrite, Table};
+use footpoint_io::{Column, Data, Frame, Kept, Overwrite, Table, Unit};
 use footpoint_jobs::{Context, JobError, Recipe, format_name, missing_points, notes, unit_name};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
@@ -24,8 +24,10 @@ pub(crate) struct Origin {
 impl Origin {
     /// Of points that come from no file.
     #[new]
-    fn new(crs: Option<String>, comments: Vec<String>) -> Self {
-        Self { frame: Frame { crs, unit: None }, comments, kept: None }
+    #[pyo3(signature = (crs, unit, comments))]
+    fn new(crs: Option<String>, unit: Option<&str>, comments: Vec<String>) -> PyResult<Self> {
+        let unit = unit.map(unit_of).transpose()?;
+        Ok(Self { frame: Frame { crs, unit }, comments, kept: None })
     }
 
     #[getter]
@@ -42,6 +44,14 @@ impl Origin {
     fn comments(&self) -> Vec<String> {
         self.comments.clone()
     }
+}
+
+fn unit_of(name: &str) -> PyResult<Unit> {
+    let units = [Unit::Metre, Unit::Foot, Unit::UsSurveyFoot, Unit::Degree];
+    units.into_iter().find(|&unit| unit_name(unit) == name).ok_or_else(|| {
+        let known = units.map(unit_name).join(", ");
+        wrong("unit", format!("\"{name}\" is none of {known}"))
+    })
 }
 
 /// Reads a file: its columns by name, which of them are coordinates and normals, and what else it says.

@@ -2,14 +2,14 @@
 
 use crate::errors::wrong;
 use footpoint::{
-    Cast, Definition, Kind, NonOrientable, NormalField, NormalSource, Operator, Precision, Project, Sought,
-    Support, Want, Weight,
+    Cast, Contour, Definition, Kind, NonOrientable, NormalField, NormalSource, Operator, Precision, Project,
+    Sought, Support, Want, Weight,
 };
 use footpoint_jobs::{DegreeAim, NoiseSource, Recipe};
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{PyBool, PyDict, PyString};
 
 /// Keyword arguments by name; those that are `None` count as absent.
 pub(crate) struct Options<'a, 'py>(pub(crate) &'a Bound<'py, PyDict>);
@@ -26,7 +26,17 @@ impl<'py> Options<'_, 'py> {
     }
 
     pub(crate) fn number(&self, name: &str) -> PyResult<Option<f64>> {
-        self.get(name, "a number")
+        self.float(name, "a number")
+    }
+
+    /// A number; True and False are none.
+    fn float(&self, name: &str, wanted: &str) -> PyResult<Option<f64>> {
+        match self.0.get_item(name)? {
+            Some(value) if value.is_instance_of::<PyBool>() => {
+                Err(PyTypeError::new_err(format!("{name}: {value} is not {wanted}")))
+            }
+            _ => self.get(name, wanted),
+        }
     }
 
     pub(crate) fn vector(&self, name: &str) -> PyResult<Option<[f64; 3]>> {
@@ -53,7 +63,7 @@ impl<'py> Options<'_, 'py> {
             Some(word) if word.is_instance_of::<PyString>() => {
                 self.choice(name, &[("best", Aim::LeastError)])
             }
-            _ => Ok(self.get(name, "a number or \"best\"")?.map(Aim::EffectiveNeighbours)),
+            _ => Ok(self.float(name, "a number or \"best\"")?.map(Aim::EffectiveNeighbours)),
         }
     }
 }
@@ -253,7 +263,24 @@ pub(crate) fn cast(options: &Options<'_, '_>) -> PyResult<Cast> {
         how = how.with_tolerance(tolerance);
     }
     match options.get::<[f64; 2]>("between", "two numbers")? {
-        Some([from, to]) => Ok(how.with_range(from..to)),
+        Some([from, to]) if from < to => Ok(how.with_range(from..to)),
+        Some([from, to]) => Err(wrong("between", format!("{from} is not below {to}"))),
+        None => Ok(how),
+    }
+}
+
+/// How finely a curve is followed.
+pub(crate) fn contour(options: &Options<'_, '_>) -> PyResult<Contour> {
+    let mut how = Contour::new();
+    match options.number("cell")? {
+        Some(cell) if !(0.001..=0.5).contains(&cell) => {
+            return Err(wrong("cell", format!("it is {cell}, but must be from 0.001 to 0.5 supports")));
+        }
+        Some(cell) => how = how.with_cell(cell),
+        None => {}
+    }
+    match tolerance(options)? {
+        Some(tolerance) => Ok(how.with_tolerance(tolerance)),
         None => Ok(how),
     }
 }

@@ -1,15 +1,18 @@
 //! Pictures as arrays of bytes.
 
 use crate::arrays::{Answers, Doubles, numbers, rows};
-use crate::errors::{of_render, wrong};
+use crate::errors::{of_file, of_render, wrong};
 use crate::options::Options;
 use crate::work::How;
 use footpoint::Surface;
-use footpoint_jobs::{RenderPlan, picture, title};
-use footpoint_render::{Background, Picture, Relief, RenderError, Shading, View, Wish, linear};
+use footpoint_io::{Overwrite, check_file, write_file};
+use footpoint_jobs::{JobError, RenderPlan, picture, title};
+use footpoint_render::{Background, Picture, Relief, RenderError, Shading, View, Wish, linear, write_image};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
 
 /// The picture's bytes, width and height. `values` are one number or one colour a sample, where the shading wants them.
 pub(crate) fn render<'py>(
@@ -41,6 +44,11 @@ pub(crate) fn render<'py>(
             return Err(wrong("shading", format!("\"{word}\" is none of {known}")));
         }
     };
+    let overwrite = if options.is_set("overwrite")? { Overwrite::Replace } else { Overwrite::Refuse };
+    let path = options.get::<PathBuf>("path", "a path")?;
+    if let Some(path) = &path {
+        check(path, overwrite)?;
+    }
     let name = options.get::<String>("title", "a text")?;
     let title = name.as_deref().unwrap_or_else(|| title(&shading));
     let found = how.run(py, usize::MAX, |run| picture(surface, &plan, (shading, title), run))?;
@@ -53,11 +61,31 @@ pub(crate) fn render<'py>(
             "no ray met the surface: look from elsewhere (view, look_from, look_at), or widen the support (auto, per_sample)",
         ));
     }
+    if let Some(path) = &path {
+        let written = py.detach(|| {
+            write_file(path, overwrite, |file| {
+                let mut out = BufWriter::new(file);
+                write_image(&picture.image, &mut out)?;
+                out.flush()
+            })
+        });
+        written.map_err(|problem| of_file(problem.into()))?;
+    }
     let answers = Answers::new(py);
     answers.put("image", bytes(&picture, plan.background))?;
     answers.0.set_item("width", picture.image.width())?;
     answers.0.set_item("height", picture.image.height())?;
     Ok(answers.0)
+}
+
+/// Fails, before anything is drawn, where no picture could be put.
+fn check(path: &Path, overwrite: Overwrite) -> PyResult<()> {
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("png") => {
+            check_file(path, overwrite).map_err(|problem| of_file(problem.into()))
+        }
+        _ => Err(wrong("path", JobError::NotPng(path.display().to_string()))),
+    }
 }
 
 /// Red green blue, and alpha where the background is transparent.

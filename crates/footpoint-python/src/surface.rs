@@ -7,7 +7,8 @@ use crate::options::{self, Options};
 use crate::picture;
 use crate::work::How;
 use footpoint::{
-    Cloud, Noise, Orient, OrientError, Queries, Ray, Sign, Surface, Uncertainty, UncertaintyError, Want,
+    Cloud, Noise, Orient, OrientError, Polyline, Queries, Ray, Sign, Surface, Uncertainty, UncertaintyError,
+    Want,
 };
 use footpoint_jobs::{Context, DistanceSearch, JobError, Recipe, Report, check_distance, surface_of_cloud};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
@@ -196,6 +197,38 @@ impl AnySurface {
         })
     }
 
+    /// The curve as polylines: vertices, unit normals there, whether it is closed, and its length.
+    fn contour<'py>(
+        &self,
+        py: Python<'py>,
+        options: &Bound<'py, PyDict>,
+        how: How,
+    ) -> PyResult<Vec<Line<'py>>> {
+        let Either::Plane(surface) = &self.surface else {
+            return Err(wrong(
+                "points",
+                "they have 3 coordinates; contours are those of curves in the plane",
+            ));
+        };
+        let contour = options::contour(&Options(options))?;
+        let found = how.run(py, usize::MAX, |run| surface.with(run).contour(&contour))?;
+        let found = found.map_err(|_| interrupted())?;
+        let line = |line: Polyline| {
+            let length = line.length();
+            Ok((array(py, &line.points)?, array(py, &line.surface_normal)?, line.closed, length))
+        };
+        found.polylines.into_iter().map(line).collect()
+    }
+
+    /// The same surface with these normals of the samples.
+    fn with_normals(&self, py: Python<'_>, normals: Doubles<'_>, how: How) -> PyResult<Self> {
+        let surface = match &self.surface {
+            Either::Plane(surface) => Either::Plane(with_normals(py, surface, &normals, &how)?),
+            Either::Space(surface) => Either::Space(with_normals(py, surface, &normals, &how)?),
+        };
+        Ok(Self { surface, has_noise: self.has_noise })
+    }
+
     /// A picture as bytes, with how it was made.
     fn render<'py>(
         &self,
@@ -279,6 +312,27 @@ fn index<const D: usize>(
         surface_of_cloud(cloud, "points", &context, &mut report)
     })?;
     made.map_err(|error| of_job(error, support))
+}
+
+/// A polyline for Python.
+type Line<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, bool, f64);
+
+/// The surface of the same samples with other normals.
+fn with_normals<const D: usize>(
+    py: Python<'_>,
+    surface: &Surface<D>,
+    normals: &Doubles<'_>,
+    how: &How,
+) -> PyResult<Surface<D>> {
+    let support = surface.definition().support();
+    let fit = |problem| of_job(JobError::Cloud { path: String::new(), problem }, support);
+    let cloud = surface.cloud().clone().with_normals(rows::<D>(normals)?).map_err(fit)?;
+    let definition = *surface.definition();
+    let made = how.run_owned(py, cloud.len(), move |run| Surface::build(cloud, definition, run))?;
+    made.map_err(|problem| match problem {
+        footpoint::Error::Cancelled(_) => interrupted(),
+        problem => of_job(JobError::Surface { path: String::new(), problem }, support),
+    })
 }
 
 /// The samples themselves for no array.

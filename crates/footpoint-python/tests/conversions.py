@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -114,6 +116,63 @@ def test_curves_in_the_plane(circle: Floats) -> None:
     assert np.abs(surface.curvature(found.point).mean - 1).max() < 0.03
     assert surface.cast((0, 3), (0, -1)).ok
     assert np.abs(footpoint.distance(3 * circle, surface).distance - 2).max() < 5e-3
+
+
+def test_a_curve_is_followed(circle: Floats) -> None:
+    surface = footpoint.Surface(circle, circle)
+    (line,) = surface.contour()
+    assert line.closed and line.points.shape == line.surface_normal.shape == (len(line), 2)
+    assert abs(surface.evaluate(line.points, ["value"]).value).max() < 1e-6 * surface.support.largest
+    assert (surface.evaluate(line.points).surface_normal * line.surface_normal).sum(axis=1).min() > 1 - 1e-9
+    closed = np.linalg.norm(line.points - np.roll(line.points, 1, axis=0), axis=1).sum()
+    assert line.length == pytest.approx(closed, rel=1e-12) and abs(closed - 2 * np.pi) < 0.02
+    assert len(surface.contour(cell=0.03)[0]) > 3 * len(line)
+    far = circle[circle[:, 0] > 0.3]
+    pieces = footpoint.Surface(np.concatenate([far, 0.5 * far + (9, 0)]), auto=8).contour()
+    assert [piece.closed for piece in pieces] == [False, False] and pieces[0].length > 1.8 * pieces[1].length
+    assert re.fullmatch(r"<Polyline: \d+ points, closed, length 6\.\d+>", repr(line))
+
+
+def test_a_surface_takes_normals(sphere: Floats) -> None:
+    surface = footpoint.Surface(sphere, per_sample=20, noise=0.01)
+    at = 1.05 * sphere[:50]
+    signed = surface.with_normals()
+    assert signed.signed and not surface.signed
+    value = signed.evaluate(at, ["value", "sigma"])
+    assert (value.value > 0).all() and np.isfinite(value.sigma).all()
+    assert (surface.with_normals(-sphere).evaluate(at, ["value"]).value < 0).all()
+    again = footpoint.Surface(sphere, sphere, per_sample=20, noise=0.01)
+    assert np.array_equal(value.value, again.evaluate(at, ["value"]).value) and repr(signed) == repr(again)
+
+
+def test_colours_are_in_the_range_of_their_type(sphere: Floats) -> None:
+    surface = footpoint.Surface(sphere)
+
+    def drawn(colours: Any) -> Any:
+        return footpoint.render(surface, colours=colours, flat=True, size=(32, 24), view="front")[12, 16]
+
+    grey = np.full((4000, 3), 128)
+    for colours in (grey, grey.astype(np.uint8), grey / 255, (257 * grey).astype(np.uint16), (grey / 255).astype("f4")):
+        assert drawn(colours).tolist() == [128, 128, 128], np.asarray(colours).dtype
+    lit = footpoint.render(surface, colours=grey, size=(32, 24), view="front")[12, 16]
+    assert lit.tolist() != [128, 128, 128]
+
+
+def test_a_picture_is_written_as_it_is_returned(sphere: Floats, tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    for background in ("white", "transparent"):
+        path = tmp_path / f"{background}.png"
+        array = footpoint.render(sphere, sphere, path=path, size=(40, 30), background=background)
+        written = image.open(path).convert("RGBA" if array.shape[2] == 4 else "RGB")
+        assert np.array_equal(np.asarray(written), array) and array.shape[2] == (4 if background == "transparent" else 3)
+
+
+def test_numbers_of_numpy_are_numbers(sphere: Floats) -> None:
+    radius: Any = np.float32(0.25)
+    threads: Any = np.int64(1)
+    surface = footpoint.Surface(sphere, radius=radius, threads=threads)
+    assert surface.evaluate(threads=threads).ok.all()
+    assert "radius=0.25" in repr(surface)
 
 
 def test_a_cloud_brings_its_normals(sphere: Floats) -> None:

@@ -13,7 +13,8 @@ import footpoint
 from conftest import ROOT, Floats
 
 FUNCTIONS = [footpoint.normals, footpoint.orient, footpoint.distance, footpoint.render, footpoint.read, footpoint.write]
-METHODS = [footpoint.Surface.evaluate, footpoint.Surface.project, footpoint.Surface.cast, footpoint.Surface.curvature]
+MADE = footpoint.Surface
+METHODS = [MADE.evaluate, MADE.project, MADE.cast, MADE.curvature, MADE.contour, MADE.with_normals]
 
 
 @pytest.mark.parametrize("name", [name for name in footpoint.__all__ if name != "__version__"])

@@ -19,10 +19,12 @@ ORIENT: Any = footpoint.orient
 NORMALS: Any = footpoint.normals
 DISTANCE: Any = footpoint.distance
 RENDER: Any = footpoint.render
+CLOUD: Any = footpoint.Cloud
 EVALUATE: Any = SURFACE.evaluate
 PROJECT: Any = SURFACE.project
 CAST: Any = SURFACE.cast
 FLAT = POINTS[:, :2]
+CURVE = footpoint.Surface(FLAT / np.linalg.norm(FLAT, axis=1, keepdims=True))
 
 CASES: list[tuple[str, type[Exception], Callable[[], Any]]] = [
     ("points", ValueError, lambda: MADE(POINTS[:, :1])),
@@ -56,6 +58,8 @@ CASES: list[tuple[str, type[Exception], Callable[[], Any]]] = [
     ("auto", ValueError, lambda: MADE(POINTS, auto=0)),
     ("auto", ValueError, lambda: MADE(POINTS, auto="worst")),
     ("auto", TypeError, lambda: MADE(POINTS, auto=[3])),
+    ("auto", TypeError, lambda: MADE(POINTS, auto=True)),
+    ("radius", TypeError, lambda: MADE(POINTS, radius=True)),
     ("per_sample", ValueError, lambda: MADE(POINTS, per_sample=1e9)),
     ("radius, auto", ValueError, lambda: MADE(POINTS, radius=1, auto=3)),
     ("per_sample, supports", ValueError, lambda: MADE(POINTS, per_sample=9, supports=np.ones(300))),
@@ -78,7 +82,8 @@ CASES: list[tuple[str, type[Exception], Callable[[], Any]]] = [
     ("domain_ratio", ValueError, lambda: MADE(POINTS, domain_ratio=2)),
     ("accept_", ValueError, lambda: MADE(POINTS, accept_gap=np.nan)),
     ("threads", ValueError, lambda: MADE(POINTS, threads=-1)),
-    ("threads", ValueError, lambda: MADE(POINTS, threads=1.5)),
+    ("threads", TypeError, lambda: MADE(POINTS, threads=1.5)),
+    ("threads", ValueError, lambda: MADE(POINTS, threads=True)),
     ("progress", TypeError, lambda: MADE(POINTS, progress="bar")),
     ("wide", TypeError, lambda: MADE(POINTS, wide=3)),
     ("x", ValueError, lambda: EVALUATE(FLAT)),
@@ -98,6 +103,12 @@ CASES: list[tuple[str, type[Exception], Callable[[], Any]]] = [
     ("directions", ValueError, lambda: CAST(POINTS[:5], POINTS[:4])),
     ("sought", ValueError, lambda: CAST(POINTS, POINTS, sought="last")),
     ("between", TypeError, lambda: CAST(POINTS, POINTS, between=3)),
+    ("between", ValueError, lambda: CAST(POINTS, POINTS, between=(2, 1))),
+    ("between", ValueError, lambda: CAST(POINTS, POINTS, between=(0, np.nan))),
+    ("points", ValueError, lambda: SURFACE.contour()),
+    ("cell", ValueError, lambda: CURVE.contour(cell=0.9)),
+    ("tolerance", ValueError, lambda: CURVE.contour(tolerance=0)),
+    ("normals", ValueError, lambda: SURFACE.with_normals(POINTS[:5])),
     ("normal", ValueError, lambda: NORMALS(POINTS, normal="none")),
     ("normals", TypeError, lambda: NORMALS(SURFACE, POINTS)),
     ("radius", TypeError, lambda: NORMALS(SURFACE, radius=3)),
@@ -124,6 +135,10 @@ CASES: list[tuple[str, type[Exception], Callable[[], Any]]] = [
     ("attribute", ValueError, lambda: RENDER(POINTS, attribute=np.ones(3))),
     ("attribute", ValueError, lambda: RENDER(POINTS, attribute="height")),
     ("colours", ValueError, lambda: RENDER(POINTS, colours=np.ones((300, 4)))),
+    ("colours", ValueError, lambda: RENDER(POINTS, colours=np.full((300, 3), 256))),
+    ("colours", ValueError, lambda: RENDER(POINTS, colours=np.full((300, 3), 1.5))),
+    ("normals", TypeError, lambda: RENDER(SURFACE, POINTS)),
+    ("path", ValueError, lambda: RENDER(POINTS, path="ball.jpg")),
     ("range", ValueError, lambda: RENDER(POINTS, shading="depth", range=(2, 1))),
     ("size", ValueError, lambda: RENDER(POINTS, size=(0, 5))),
     ("size", TypeError, lambda: RENDER(POINTS, size=64)),
@@ -133,6 +148,7 @@ CASES: list[tuple[str, type[Exception], Callable[[], Any]]] = [
     ("look_from", TypeError, lambda: RENDER(POINTS, look_from=(1, 2))),
     ("view_height", ValueError, lambda: RENDER(POINTS, view_height=3)),
     ("points", ValueError, lambda: footpoint.Cloud(POINTS.ravel())),
+    ("unit", ValueError, lambda: CLOUD(POINTS, unit="cubit")),
     ("normals", ValueError, lambda: footpoint.Cloud(POINTS, FLAT)),
     ("columns", ValueError, lambda: footpoint.Cloud(POINTS, columns={"time": np.ones(3)})),
     ("within", ValueError, lambda: footpoint.read("scan.ply", within=(1, 2))),
@@ -171,6 +187,18 @@ def test_files_have_the_usual_errors(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="text"):
         footpoint.write(tmp_path / "a.ply", POINTS, columns={"name": ["a"] * 300})
     assert [file.name for file in tmp_path.iterdir() if "a.ply" in file.name] == []
+
+
+def test_a_picture_replaces_no_file_unasked(tmp_path: Path, sphere: Floats) -> None:
+    path = tmp_path / "ball.png"
+    path.write_text("mine")
+    with pytest.raises(FileExistsError, match="overwrite=True"):
+        footpoint.render(sphere, path=path, size=(32, 24))
+    assert path.read_text() == "mine"
+    with pytest.raises(FileNotFoundError):
+        footpoint.render(sphere, path=tmp_path / "no" / "ball.png", size=(32, 24))
+    footpoint.render(sphere, path=path, size=(32, 24), overwrite=True)
+    assert path.read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_picture_of_nothing_is_refused(sphere: Floats) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -109,6 +111,56 @@ def test_what_stands_beside_the_columns(tmp_path: Path, sphere: Floats) -> None:
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n1 0\n"
     )
     assert "face" in footpoint.read(tmp_path / "mesh.ply").notes[0]
+
+
+def test_a_part_of_a_cloud(sphere: Floats) -> None:
+    cloud = footpoint.Cloud(sphere, sphere, columns={"time": np.arange(4000, dtype=np.uint16)}, crs="EPSG:25832")
+    upper = cloud[cloud.points[:, 2] > 0]
+    assert np.array_equal(upper.points, sphere[sphere[:, 2] > 0]) and upper.normals is not None
+    assert np.array_equal(upper.normals, upper.points) and upper.columns["time"].dtype == np.uint16
+    assert upper.crs == "EPSG:25832" and len(cloud) == 4000
+    assert np.array_equal(cloud[::2].columns["time"], np.arange(0, 4000, 2))
+    assert np.array_equal(cloud[[7, 3]].points, sphere[[7, 3]])
+    for wrong in ("time", 3, None):
+        with pytest.raises(TypeError, match="rows"):
+            cloud[wrong]
+    with pytest.raises(IndexError):
+        cloud[np.ones(3, bool)]
+
+
+def test_a_cloud_travels_to_other_processes(tmp_path: Path, sphere: Floats) -> None:
+    frame: Any = {"crs": "EPSG:25832", "unit": "metre", "comments": ["scanned at noon"]}
+    cloud = footpoint.Cloud(sphere, columns={"time": np.arange(4000)}, **frame)
+    back = pickle.loads(pickle.dumps(cloud))
+    assert np.array_equal(back.points, sphere) and list(back.columns) == list(cloud.columns)
+    assert (back.crs, back.unit, back.comments) == (cloud.crs, cloud.unit, cloud.comments)
+    footpoint.write(tmp_path / "points.las", back)
+    read = footpoint.read(tmp_path / "points.las")
+    again = pickle.loads(pickle.dumps(read))
+    assert again.unit == read.unit == "metre" and again.format == "las"
+
+
+def test_missing_coordinates_are_named(sphere: Floats) -> None:
+    cloud = footpoint.Cloud(sphere)
+    del cloud.columns["x"]
+    for call in (lambda: len(cloud), lambda: footpoint.Surface(cloud)):
+        with pytest.raises(ValueError, match="columns: 'x' is missing"):
+            call()
+
+
+def test_writing_tells_how_far_it_is(tmp_path: Path, sphere: Floats) -> None:
+    steps: list[tuple[int, int]] = []
+    for extension in ("ply", "las"):
+        steps.clear()
+        path = tmp_path / f"points.{extension}"
+        footpoint.write(path, np.tile(sphere, (50, 1)), progress=lambda done, total: steps.append((done, total)))
+        assert steps and steps[-1] == (200_000, 200_000), (extension, steps)
+
+
+def test_a_path_may_be_bytes(tmp_path: Path, sphere: Floats) -> None:
+    path = os.fsencode(tmp_path / "points.ply")
+    footpoint.write(path, sphere)
+    assert len(footpoint.read(path)) == 4000
 
 
 def test_a_part_of_a_file(tmp_path: Path, sphere: Floats) -> None:

@@ -158,7 +158,11 @@ impl Shading<'_> {
                     if own[0].is_nan() {
                         return NO_NUMBER;
                     }
-                    light(own.map(|c| c.clamp(0.0, 1.0) as f32), s.normal)
+                    let own = own.map(|c| c.clamp(0.0, 1.0) as f32);
+                    match painter.relief {
+                        Relief::Lit => light(own, s.normal),
+                        Relief::Flat => own,
+                    }
                 }
                 (Self::Normal, _) => s.normal.map(|c| to_linear((0.5 + 0.5 * c).clamp(0.0, 1.0) as f32)),
                 (_, Some(colours)) => {
@@ -184,13 +188,13 @@ pub(crate) struct Found {
     pub(crate) open: Vec<f64>,
 }
 
-/// Whether light falls on colours that stand for numbers.
+/// Whether light falls on colours: the samples' own, and those that stand for numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Relief {
     /// Some, so that the shape shows.
     #[default]
     Lit,
-    /// None: colours are exactly those of the scale bar.
+    /// None: colours are exactly those of the samples or of the scale bar.
     Flat,
 }
 

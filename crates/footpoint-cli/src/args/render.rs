@@ -24,7 +24,7 @@ pub(crate) struct RenderArguments {
     /// Numbers at the ends of the colours, in the unit of what is shown [default: from the picture, without the 2 % furthest out]
     #[arg(long, value_name = "LOW,HIGH", value_parser = pair, allow_hyphen_values = true, hide_short_help = true)]
     range: Option<[f64; 2]>,
-    /// Give colours exactly as in the scale bar, without light
+    /// Give colours exactly as they are, in the file or in the scale bar, without light
     #[arg(long, hide_short_help = true)]
     flat: bool,
     /// Pixels: width and height, or the width of a picture four wide to three high

@@ -12,8 +12,9 @@ normal n of a frame fitted to them. Its normal is not n but the gradient of f, a
     normals = footpoint.orient(scan).normal           # exact normals with signs that agree
     picture = footpoint.render(surface)               # an array (height, width, 3)
 
-Surface answers questions: evaluate, curvature, project, cast, distance. The functions normals, orient, distance and
-render take points, a Cloud or a Surface. read and write know ply, las, laz, e57, pcd, obj, npy, npz and text.
+Surface answers questions: evaluate, curvature, project, cast, and contour in the plane; with_normals gives it signs. The
+functions normals, orient, distance and render take points, a Cloud or a Surface. read and write know ply, las, laz, e57, pcd,
+obj, npy, npz and text.
 
 Arrays. Points are arrays of shape (n, 3), or (n, 2) for a curve in the plane. One rule for all that is given: an array of
 float64 in C order is used as it is, without a copy; other layouts, real numbers of other types (integers, float32) and
@@ -41,6 +42,7 @@ from ._results import (
     Evaluations,
     Hits,
     Orientation,
+    Polyline,
     Projections,
     Status,
     Support,
@@ -56,6 +58,7 @@ __all__ = [
     "Evaluations",
     "Hits",
     "Orientation",
+    "Polyline",
     "Projections",
     "Status",
     "Support",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +29,8 @@ class Cloud:
     columns : mapping of names to arrays (n,), optional
     crs : str, optional
         The coordinate reference system: WKT, or EPSG: and a number.
+    unit : {"metre", "foot", "us_survey_foot", "degree"}, optional
+        The unit of the coordinates, for formats that state it.
     comments : sequence of str
     """
 
@@ -48,12 +50,13 @@ class Cloud:
         columns: Mapping[str, npt.ArrayLike] | None = None,
         *,
         crs: str | None = None,
+        unit: Literal["metre", "foot", "us_survey_foot", "degree"] | None = None,
         comments: Sequence[str] = (),
     ) -> None:
         rows = _arrays.points(points, "points")
         self._coordinates: list[str] = list(_AXES[: rows.shape[1]])
         self._normals: list[str] | None = None
-        self._origin = _footpoint.Origin(crs, list(comments))
+        self._origin = _footpoint.Origin(crs, unit, list(comments))
         self.columns = {}
         self.format, self.notes, self.missing_points = None, [], 0
         self.points = rows
@@ -139,14 +142,36 @@ class Cloud:
         return self.points.astype(np.float64 if dtype is None else dtype, copy=bool(copy))
 
     def __len__(self) -> int:
-        return len(self.columns[self._coordinates[0]])
+        return len(self._column(self._coordinates[0]))
+
+    def __getitem__(self, rows: Any) -> Cloud:
+        """The cloud of some points, by a mask, a slice or numbers of rows; a column is `columns[name]`."""
+        if isinstance(rows, str) or np.ndim(np.empty(len(self))[rows]) != 1:
+            raise TypeError(f"rows: {rows!r}, but a mask, a slice or numbers of rows are wanted; a column is columns[name]")
+        cloud = Cloud.__new__(Cloud)
+        cloud._coordinates, cloud._normals, cloud._origin = self._coordinates, self._normals, self._origin
+        cloud.columns = {name: np.asarray(values)[rows] for name, values in self.columns.items()}
+        cloud.format, cloud.notes, cloud.missing_points = self.format, list(self.notes), self.missing_points
+        return cloud
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What only the file's own format holds does not travel.
+        return {**vars(self), "_origin": (self.crs, self.unit, self.comments)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update({**state, "_origin": _footpoint.Origin(*state["_origin"])})
+
+    def _column(self, name: str) -> npt.NDArray[Any]:
+        if name not in self.columns:
+            raise ValueError(f"columns: {name!r} is missing, which holds coordinates")
+        return np.asarray(self.columns[name])
 
     def __repr__(self) -> str:
         source = f" from {self.format}" if self.format else ""
         return f"<Cloud: {len(self)} points in {self.dimension}-D{source}; {' '.join(self.columns)}>"
 
     def _stacked(self, names: list[str]) -> Floats:
-        rows = np.stack([np.asarray(self.columns[name], np.float64) for name in names], axis=1)
+        rows = np.stack([np.asarray(self._column(name), np.float64) for name in names], axis=1)
         rows.flags.writeable = False
         return rows
 
@@ -156,7 +181,7 @@ class Cloud:
 
 
 def read(
-    path: str | os.PathLike[str],
+    path: str | bytes | os.PathLike[str],
     *,
     within: npt.ArrayLike | None = None,
     progress: Progress = None,
@@ -184,16 +209,17 @@ def read(
     """
     box = None if within is None else _arrays.like(within, "within", (2, 3)).tolist()
     with how(0, progress, "reading") as run:
-        return Cloud._of(_footpoint.read(os.fspath(path), box, run))
+        return Cloud._of(_footpoint.read(os.fsdecode(path), box, run))
 
 
 def write(
-    path: str | os.PathLike[str],
+    path: str | bytes | os.PathLike[str],
     points: npt.ArrayLike | Cloud,
     normals: npt.ArrayLike | None = None,
     *,
     columns: Mapping[str, npt.ArrayLike] | None = None,
     overwrite: bool = False,
+    progress: Progress = None,
 ) -> None:
     """Writes points to a file, in the format of its extension: ply las laz e57 pcd obj npy npz xyz csv txt pts pwn xy.
 
@@ -208,6 +234,7 @@ def write(
         More columns, or others in the place of the Cloud's.
     overwrite : bool
         Whether a file that is there may be replaced.
+    progress : True or function of (done, total), optional
 
     The file is complete or not there: it is written beside its name and renamed at the end.
 
@@ -230,8 +257,8 @@ def write(
         cloud.normals = normals
     cloud.columns.update({name: np.asarray(values) for name, values in (columns or {}).items()})
     table = {name: _column(name, values, len(cloud)) for name, values in cloud.columns.items()}
-    with how(0, None, "writing") as run:
-        _footpoint.write(os.fspath(path), table, cloud._origin, overwrite, run)
+    with how(0, progress, "writing") as run:
+        _footpoint.write(os.fsdecode(path), table, cloud._origin, overwrite, run)
 
 
 def _column(name: str, values: npt.ArrayLike, count: int) -> npt.NDArray[Any] | list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -27,14 +28,17 @@ Vector = tuple[float, float, float]
 
 def render(
     points: npt.ArrayLike | Cloud | Surface,
+    normals: npt.ArrayLike | None = None,
     *,
+    path: str | bytes | os.PathLike[str] | None = None,
+    overwrite: bool = False,
     shading: Shading | None = None,
     attribute: npt.ArrayLike | str | None = None,
     to: npt.ArrayLike | Cloud | Surface | None = None,
     colours: npt.ArrayLike | None = None,
     range: tuple[float, float] | None = None,
     flat: bool = False,
-    size: tuple[int, int] = (1600, 1200),
+    size: tuple[int, int] = (800, 600),
     samples: int = 4,
     background: str = "white",
     occlusion: int = 0,
@@ -55,6 +59,10 @@ def render(
     Parameters
     ----------
     points : array (n, 3), Cloud or Surface
+    normals : array (n, 3), optional
+        Normals of the points, for the sign of distances and for fields of averaged normals.
+    path, overwrite
+        Where to write the picture too, a PNG; a file that is there is replaced only with overwrite=True.
     shading : optional
         What is shown: "surface" or "frame", light by the exact or the frame normal; in colours with a scale bar "difference" (the
         cosine between the two), "curvature", "distance" to the surface of `to`, "depth", "attribute"; "colour", the samples'
@@ -64,11 +72,11 @@ def render(
     to : array (m, 3), Cloud or Surface
         The cloud that distances are measured to, with the same options.
     colours : array (n, 3)
-        Colours of the samples: uint8 from 0 to 255, uint16 to 65535, or numbers from 0 to 1.
+        Colours of the samples in sRGB: integers from 0 to 255 (uint16: to 65535), or floats from 0 to 1.
     range : (number, number), optional
         Numbers at the ends of the colours.
     flat : bool
-        Colours exactly as in the scale bar, without light.
+        Colours exactly as they were given or stand in the scale bar, without light.
     size : (int, int)
         Width and height in pixels.
     samples : int
@@ -94,7 +102,9 @@ def render(
     Raises
     ------
     ValueError
-        Points in the plane, or no ray that meets the surface.
+        Points in the plane, colours out of range, or no ray that meets the surface.
+    FileExistsError, OSError
+        The picture cannot be written; that is found out before it is drawn, as a rule.
     """
     if look_from is not None and view is not None:
         raise ValueError("view, look_from: give one of these")
@@ -110,7 +120,8 @@ def render(
             raise ValueError(f"attribute: no column {attribute!r}; a Cloud with it is wanted, or an array")
         title = title or attribute
         attribute = points.columns[attribute]
-    surface = surface_of(points, None, options, (threads, progress))
+    file = None if path is None else os.fsdecode(path)
+    surface = surface_of(points, normals, options, (threads, progress))
     values = None
     if attribute is not None:
         values = _arrays.like(attribute, "attribute", (len(surface),))
@@ -136,6 +147,8 @@ def render(
         "fov": fov,
         "view_height": view_height,
         "title": title,
+        "path": file,
+        "overwrite": overwrite,
     }
     with how(threads, progress, "drawing") as run:
         found = surface._core.render(values, other, wishes, run)
@@ -146,5 +159,9 @@ def render(
 def _shares(colours: npt.ArrayLike, shape: tuple[int, int]) -> Floats:
     """Colours as shares from 0 to 1."""
     kind = np.asarray(colours).dtype
-    shares = _arrays.like(colours, "colours", shape)
-    return shares / np.iinfo(kind).max if kind in (np.uint8, np.uint16) else shares
+    whole = kind.kind in "iu"
+    most = (65535 if kind == np.uint16 else 255) if whole else 1
+    shares = _arrays.like(colours, "colours", shape) / most
+    if (shares < 0).any() or (shares > 1).any():
+        raise ValueError(f"colours: beyond 0 to {most}, the range of {'integers' if whole else 'floats'}")
+    return shares

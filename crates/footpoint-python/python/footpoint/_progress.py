@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,7 +15,11 @@ Progress = Union[bool, Callable[[int, int], object], None]
 @contextmanager
 def how(threads: int, progress: Progress, label: str) -> Iterator[dict[str, Any]]:
     """What the extension wants to know of running."""
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 0:
+    try:
+        threads = -1 if isinstance(threads, bool) else operator.index(threads)
+    except TypeError:
+        raise TypeError(f"threads: {threads!r}, but a whole number is wanted") from None
+    if threads < 0:
         raise ValueError(f"threads: {threads!r}, but a number from 0 on is wanted (0: one for each core)")
     if progress is None or progress is False:
         yield {"threads": threads, "progress": None}
@@ -50,7 +55,8 @@ class _Bar:
             sys.stderr.write(f"\r{self._label}: {share:3.0f} % of {total} ")
             sys.stderr.flush()
         else:
-            if self._bar is None or total != self._total:
+            # A new total, or a count that begins again, is a new stage.
+            if self._bar is None or total != self._total or done < self._bar.n:
                 self.close()
                 self._bar = self._make(total=total, desc=self._label, unit="", unit_scale=True)
             self._bar.update(done - self._bar.n)

@@ -344,6 +344,34 @@ class Component:
     orientable: bool
 
 
+class Polyline(Answers):
+    """A connected piece of a curve in the plane.
+
+    Attributes
+    ----------
+    points : array (n, 2)
+        Vertices on the curve, in order along it. A closed one does not repeat its first.
+    surface_normal : array (n, 2)
+        The exact unit normals there, with signs that agree along the curve.
+    closed : bool
+        Whether the last vertex is joined to the first.
+    length : float
+        The sum of the lengths of its segments.
+    """
+
+    __slots__ = ("points", "surface_normal", "closed", "length")
+    points: Floats
+    surface_normal: Floats
+    closed: bool
+    length: float
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __repr__(self) -> str:
+        return f"<Polyline: {len(self)} points, {'closed' if self.closed else 'open'}, length {self.length:.4g}>"
+
+
 class Orientation(AnswersWithStatus):
     """Normals of the samples with signs that agree.
 

@@ -13,7 +13,7 @@ from . import _arrays, _footpoint
 from ._arrays import Floats
 from ._files import Cloud
 from ._progress import Progress, how
-from ._results import Curvatures, Evaluations, Hits, Projections, Support, SupportChoice, shaped
+from ._results import Curvatures, Evaluations, Hits, Polyline, Projections, Support, SupportChoice, shaped
 
 if TYPE_CHECKING:
     from typing_extensions import TypedDict
@@ -207,7 +207,9 @@ class Surface:
         with how(*running, "indexing") as run:
             self._core = _footpoint.Surface(rows, given, definition, run)
         self._facts = self._core.facts
-        self._options = {name: value for name, value in definition.items() if value not in (None, False, True)}
+        given_options = {name: value for name, value in definition.items() if value not in (None, False, True)}
+        # Numbers of NumPy would show their type.
+        self._options = {n: v.item() if isinstance(v, np.generic) else v for n, v in given_options.items()}
 
     def evaluate(
         self,
@@ -336,6 +338,54 @@ class Surface:
         with how(threads, progress, "casting") as run:
             found = self._core.cast(from_, towards, options, run)
         return Hits(**shaped(found, shape))
+
+    def contour(
+        self,
+        *,
+        cell: float = 0.125,
+        tolerance: float = 1e-6,
+        threads: int = 0,
+        progress: Progress = None,
+    ) -> list[Polyline]:
+        """The curve of samples in the plane as connected polylines, longest first.
+
+        Parameters
+        ----------
+        cell : number
+            Width of the cells that it is followed in, in supports, 0.001 to 0.5: at least one vertex for each.
+        tolerance : number
+            |f| allowed at a vertex, in local supports.
+
+        Returns
+        -------
+        list of Polyline
+            An open one ends where the curve does, at a rim as a rule.
+        """
+        with how(threads, progress, "following") as run:
+            found = self._core.contour({"cell": cell, "tolerance": tolerance}, run)
+        names = ("points", "surface_normal", "closed", "length")
+        return [Polyline(**dict(zip(names, line))) for line in found]
+
+    def with_normals(
+        self, normals: npt.ArrayLike | None = None, *, threads: int = 0, progress: Progress = None
+    ) -> Surface:
+        """The same surface with normals of the samples, which give f, distances and curvatures their sign.
+
+        Parameters
+        ----------
+        normals : array (n, D), optional
+            By default those of `footpoint.orient(surface)`: the surface's own, facing outward.
+        """
+        if normals is None:
+            from ._functions import orient
+
+            normals = orient(self, threads=threads, progress=progress).normal
+        rows = _arrays.like(normals, "normals", (len(self), self.dimension))
+        surface = Surface.__new__(Surface)
+        with how(threads, progress, "indexing") as run:
+            surface._core = self._core.with_normals(rows, run)
+        surface._facts, surface._options = surface._core.facts, dict(self._options)
+        return surface
 
     @property
     def points(self) -> Floats:

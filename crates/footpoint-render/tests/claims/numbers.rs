@@ -91,6 +91,18 @@ fn colours_of_the_samples_are_averaged_in_linear_light() {
 }
 
 #[test]
+fn flat_colours_of_the_samples_are_exactly_theirs() {
+    let surface = ball(3_000);
+    // 188 of 255 in sRGB.
+    let colours = vec![[0.5; 3]; surface.cloud().len()];
+    let lit = drawn(&surface, &plan(Shading::Colour(&colours))).image;
+    let flat = Plan { relief: Relief::Flat, ..plan(Shading::Colour(&colours)) };
+    let flat = drawn(&surface, &flat).image;
+    assert_eq!(pixel(&flat, 32, 24), [188, 188, 188, 255]);
+    assert_ne!(pixel(&lit, 32, 24), [188, 188, 188, 255]);
+}
+
+#[test]
 fn a_dark_picture_has_a_bright_bar() {
     let surface = ball(1_000);
     let background = Background::Colour([10, 10, 20]);
