@@ -3,7 +3,7 @@
 use footpoint::{CloudError, DefinitionError, Error, OrientError, SupportError, UncertaintyError};
 use footpoint_io::{ReadProblem, WriteProblem};
 use footpoint_jobs::{JobError, Support};
-use footpoint_render::RenderError;
+use footpoint_render::{CameraError, RenderError};
 use pyo3::PyErr;
 use pyo3::exceptions::{PyFileExistsError, PyIsADirectoryError, PyRuntimeError, PyValueError};
 use std::io;
@@ -131,6 +131,10 @@ pub(crate) fn of_render(problem: &RenderError) -> PyErr {
         RenderError::Size(..) => wrong("size", problem),
         RenderError::NoSamples => wrong("samples", problem),
         RenderError::Range(..) => wrong("range", problem),
+        RenderError::Camera(CameraError::NoSight { .. }) => wrong("look_from, look_at", problem),
+        RenderError::Camera(CameraError::NoUp(_)) => wrong("look_up", problem),
+        RenderError::Camera(CameraError::Fov(_)) => wrong("fov", problem),
+        RenderError::Camera(CameraError::Height(_)) => wrong("view_height", problem),
         other => PyValueError::new_err(other.to_string()),
     }
 }

@@ -62,7 +62,7 @@ pub(crate) fn read<'py>(
     within: Option<[[f64; 3]; 2]>,
     how: How,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let input = how.run_owned(py, usize::MAX, move |run| {
+    let input = how.run_owned(py, move |run| {
         let context =
             Context { recipe: Recipe { within, ..Recipe::default() }, run: *run, ..Context::default() };
         let input = context.read(&path)?;

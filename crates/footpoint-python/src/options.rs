@@ -29,13 +29,24 @@ impl<'py> Options<'_, 'py> {
         self.float(name, "a number")
     }
 
+    /// A whole number; True and False are none.
+    pub(crate) fn whole(&self, name: &str, wanted: &str) -> PyResult<Option<usize>> {
+        self.no_truth(name, wanted)?;
+        self.get(name, wanted)
+    }
+
     /// A number; True and False are none.
     fn float(&self, name: &str, wanted: &str) -> PyResult<Option<f64>> {
+        self.no_truth(name, wanted)?;
+        self.get(name, wanted)
+    }
+
+    fn no_truth(&self, name: &str, wanted: &str) -> PyResult<()> {
         match self.0.get_item(name)? {
             Some(value) if value.is_instance_of::<PyBool>() => {
                 Err(PyTypeError::new_err(format!("{name}: {value} is not {wanted}")))
             }
-            _ => self.get(name, wanted),
+            _ => Ok(()),
         }
     }
 
@@ -181,7 +192,11 @@ fn degree(options: &Options<'_, '_>) -> PyResult<Option<Degree>> {
         Some(word) if word.is_instance_of::<PyString>() => {
             options.choice("degree", &[("auto", Degree::Auto)])
         }
-        _ => Ok(options.get("degree", "0, 1, 2, 3 or \"auto\"")?.map(Degree::Fixed)),
+        _ => {
+            let wanted = "0, 1, 2, 3 or \"auto\"";
+            options.no_truth("degree", wanted)?;
+            Ok(options.get("degree", wanted)?.map(Degree::Fixed))
+        }
     }
 }
 

@@ -122,7 +122,7 @@ fn plan(options: &Options<'_, '_>) -> PyResult<RenderPlan> {
     if wish.height.is_some() && !wish.parallel {
         return Err(wrong("view_height", "it belongs to camera=\"orthographic\""));
     }
-    let samples: usize = options.get("samples", "1, 4, 9, 16, … 256")?.unwrap_or(4);
+    let samples = options.whole("samples", "1, 4, 9, 16, … 256")?.unwrap_or(4);
     if !(1..=256).contains(&samples) || samples.isqrt().pow(2) != samples {
         return Err(wrong("samples", format!("{samples} is no square from 1 to 256")));
     }
@@ -136,7 +136,7 @@ fn plan(options: &Options<'_, '_>) -> PyResult<RenderPlan> {
         across: samples.isqrt(),
         background,
         relief: if options.is_set("flat")? { Relief::Flat } else { Relief::Lit },
-        occlusion: options.get("occlusion", "a number of rays")?.unwrap_or(0),
+        occlusion: options.whole("occlusion", "a number of rays")?.unwrap_or(0),
         range: options.get("range", "two numbers")?,
         ..usual
     })

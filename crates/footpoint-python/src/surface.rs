@@ -7,14 +7,15 @@ use crate::options::{self, Options};
 use crate::picture;
 use crate::work::How;
 use footpoint::{
-    Cloud, Noise, Orient, OrientError, Polyline, Queries, Ray, Sign, Surface, Uncertainty, UncertaintyError,
-    Want,
+    Cloud, Noise, Operator, Orient, OrientError, Polyline, Queries, Ray, Run, Sign, Surface, Uncertainty,
+    UncertaintyError, Want,
 };
 use footpoint_jobs::{Context, DistanceSearch, JobError, Recipe, Report, check_distance, surface_of_cloud};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::Arc;
 
 /// A surface, whose samples have noise, if only of 0: then distances have their bias.
 #[pyclass(frozen, name = "Surface", module = "footpoint._footpoint")]
@@ -22,12 +23,17 @@ pub(crate) struct AnySurface {
     surface: Either,
     /// Whether the noise is known.
     has_noise: bool,
+    /// Neighbours that a point has, more or less: what an evaluation costs.
+    neighbours: usize,
 }
 
 enum Either {
-    Plane(Surface<2>),
+    Plane(Arc<Surface<2>>),
     Space(Surface<3>),
 }
+
+/// Evaluations that one of Levin's projections costs, more or less.
+const LEVIN: usize = 100;
 
 /// The same for both dimensions.
 macro_rules! of_either {
@@ -62,10 +68,10 @@ impl AnySurface {
         let recipe = options::recipe(&Options(definition))?;
         let has_noise = columns.noise.is_some() || recipe.noise.is_some();
         let surface = match points.shape() {
-            [_, 2] => Either::Plane(index(py, &points, &columns, (recipe, &how))?),
+            [_, 2] => Either::Plane(Arc::new(index(py, &points, &columns, (recipe, &how))?)),
             _ => Either::Space(index(py, &points, &columns, (recipe, &how))?),
         };
-        Ok(Self { surface, has_noise })
+        Ok(Self::of(surface, has_noise))
     }
 
     /// f and what belongs to it, at points or at the samples.
@@ -82,8 +88,8 @@ impl AnySurface {
         }
         of_either!(self, surface => {
             let queries = queries(at.as_ref())?;
-            let count = count(surface, queries);
-            let found = how.run(py, count, |run| surface.with(run).evaluate(queries, want))?;
+            let pairs = self.neighbours * count(surface, queries);
+            let found = how.run(py, pairs, |run| surface.with(run).evaluate(queries, want))?;
             of_evaluations(py, found.map_err(|_| interrupted())?, want)
         })
     }
@@ -103,16 +109,17 @@ impl AnySurface {
         }
         of_either!(self, surface => {
             let queries = queries(points.as_ref())?;
-            let count = count(surface, queries);
+            let searched = if matches!(project.operator(), Operator::Levin { .. }) { LEVIN } else { 1 };
+            let pairs = searched * self.neighbours * count(surface, queries);
             if !self.has_noise {
-                let found = how.run(py, count, |run| surface.with(run).project(queries, &project))?;
+                let found = how.run(py, pairs, |run| surface.with(run).project(queries, &project))?;
                 return of_projections(py, found.map_err(|_| interrupted())?, None);
             }
             let mut uncertainty = Uncertainty::new().with_project(project);
             if let Some(noise) = noise(query_noise.as_ref())? {
                 uncertainty = uncertainty.with_query_noise(noise);
             }
-            let found = how.run(py, count, |run| surface.with(run).uncertainty(queries, &uncertainty))?;
+            let found = how.run(py, pairs, |run| surface.with(run).uncertainty(queries, &uncertainty))?;
             let found = found.map_err(|problem| uncertainty_error(&problem))?;
             of_projections(py, found.feet, Some((found.sigma, found.bias)))
         })
@@ -159,7 +166,8 @@ impl AnySurface {
         of_either!(self, surface => {
             let pairs = rows(&origins)?.iter().zip(rows(&directions)?);
             let rays: Vec<_> = pairs.map(|(&origin, &direction)| Ray { origin, direction }).collect();
-            let found = how.run(py, rays.len(), |run| surface.with(run).cast(&rays, &cast))?;
+            let pairs = self.neighbours * rays.len();
+            let found = how.run(py, pairs, |run| surface.with(run).cast(&rays, &cast))?;
             of_hits(py, found.map_err(|_| interrupted())?)
         })
     }
@@ -211,7 +219,8 @@ impl AnySurface {
             ));
         };
         let contour = options::contour(&Options(options))?;
-        let found = how.run(py, usize::MAX, |run| surface.with(run).contour(&contour))?;
+        let surface = Arc::clone(surface);
+        let found = how.run_owned(py, move |run| surface.with(run).contour(&contour))?;
         let found = found.map_err(|_| interrupted())?;
         let line = |line: Polyline| {
             let length = line.length();
@@ -223,10 +232,10 @@ impl AnySurface {
     /// The same surface with these normals of the samples.
     fn with_normals(&self, py: Python<'_>, normals: Doubles<'_>, how: How) -> PyResult<Self> {
         let surface = match &self.surface {
-            Either::Plane(surface) => Either::Plane(with_normals(py, surface, &normals, &how)?),
+            Either::Plane(surface) => Either::Plane(Arc::new(with_normals(py, surface, &normals, &how)?)),
             Either::Space(surface) => Either::Space(with_normals(py, surface, &normals, &how)?),
         };
-        Ok(Self { surface, has_noise: self.has_noise })
+        Ok(Self { surface, has_noise: self.has_noise, neighbours: self.neighbours })
     }
 
     /// A picture as bytes, with how it was made.
@@ -286,6 +295,25 @@ impl AnySurface {
     }
 }
 
+impl AnySurface {
+    fn of(surface: Either, has_noise: bool) -> Self {
+        let neighbours = match &surface {
+            Either::Plane(surface) => neighbours(surface),
+            Either::Space(surface) => neighbours(surface),
+        };
+        Self { surface, has_noise, neighbours }
+    }
+}
+
+/// Most neighbours that some of the samples have, at least 1.
+fn neighbours<const D: usize>(surface: &Surface<D>) -> usize {
+    let samples = surface.cloud().points();
+    let some: Vec<[f64; D]> = samples.iter().step_by(samples.len().div_ceil(8).max(1)).copied().collect();
+    let run = Run::new().threads(1);
+    let found = surface.with(&run).evaluate(&some, Want::NEIGHBOURS).unwrap_or_default();
+    found.neighbours.into_iter().fold(1, |most, count| most.max(count as usize))
+}
+
 /// The surface of these samples.
 fn index<const D: usize>(
     py: Python<'_>,
@@ -306,7 +334,7 @@ fn index<const D: usize>(
     if let Some(factors) = &columns.factors {
         cloud = cloud.with_factors(numbers(factors)?).map_err(fit)?;
     }
-    let made = how.run_owned(py, cloud.len(), move |run| {
+    let made = how.run_owned(py, move |run| {
         let context = Context { recipe, run: *run, ..Context::default() };
         let mut report = Report::new("surface", context.recipe.clone());
         surface_of_cloud(cloud, "points", &context, &mut report)
@@ -328,7 +356,7 @@ fn with_normals<const D: usize>(
     let fit = |problem| of_job(JobError::Cloud { path: String::new(), problem }, support);
     let cloud = surface.cloud().clone().with_normals(rows::<D>(normals)?).map_err(fit)?;
     let definition = *surface.definition();
-    let made = how.run_owned(py, cloud.len(), move |run| Surface::build(cloud, definition, run))?;
+    let made = how.run_owned(py, move |run| Surface::build(cloud, definition, run))?;
     made.map_err(|problem| match problem {
         footpoint::Error::Cancelled(_) => interrupted(),
         problem => of_job(JobError::Surface { path: String::new(), problem }, support),

@@ -11,8 +11,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// So few points are done before an interrupt could be heard, and without a thread they cost no more than in the library.
-const FEW: usize = 1000;
+/// So few pairs of a point and a neighbour are done before an interrupt could be heard, and without a thread they cost no more
+/// than in the library.
+const FEW: usize = 40_000;
 /// How often interrupts are listened for.
 const TICK: Duration = Duration::from_millis(50);
 
@@ -48,17 +49,17 @@ impl Shared {
 }
 
 impl How {
-    /// Does `work` on so many points while other Python threads run.
+    /// Does `work` on so many pairs of a point and a neighbour while other Python threads run.
     ///
     /// Longer work has a thread of its own, and the calling one wakes up every so often to let Python handle signals (which
     /// it does in its main thread alone) and to tell of progress; an exception from either cancels the work.
     pub(crate) fn run<T: Send>(
         &self,
         py: Python<'_>,
-        points: usize,
+        pairs: usize,
         work: impl FnOnce(&Run<'_>) -> T + Send,
     ) -> PyResult<T> {
-        if points < FEW && self.progress.is_none() {
+        if pairs < FEW && self.progress.is_none() {
             return Ok(py.detach(|| work(&Run::new().threads(self.threads))));
         }
         let (shared, threads) = (&Shared::default(), self.threads);
@@ -79,12 +80,8 @@ impl How {
     pub(crate) fn run_owned<T: Send + 'static>(
         &self,
         py: Python<'_>,
-        points: usize,
         work: impl FnOnce(&Run<'_>) -> T + Send + 'static,
     ) -> PyResult<T> {
-        if points < FEW && self.progress.is_none() {
-            return self.run(py, points, work);
-        }
         let shared = Arc::new(Shared::default());
         let (theirs, threads) = (Arc::clone(&shared), self.threads);
         py.detach(|| {

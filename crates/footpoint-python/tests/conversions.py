@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import re
 from pathlib import Path
 from typing import Any
@@ -36,9 +38,9 @@ def test_layouts_and_types_give_the_same_numbers(sphere: Floats) -> None:
         np.ma.masked_array(at),
         at.view(np.recarray),
     ]
-    for copy in copies:
-        assert np.array_equal(value(surface, copy), expected), type(copy)
-        same = footpoint.Surface(copy, radius=0.5)
+    for given in copies:
+        assert np.array_equal(value(surface, given), expected), type(given)
+        same = footpoint.Surface(given, radius=0.5)
         assert np.array_equal(same.points, at)
 
 
@@ -143,6 +145,18 @@ def test_a_surface_takes_normals(sphere: Floats) -> None:
     assert (surface.with_normals(-sphere).evaluate(at, ["value"]).value < 0).all()
     again = footpoint.Surface(sphere, sphere, per_sample=20, noise=0.01)
     assert np.array_equal(value.value, again.evaluate(at, ["value"]).value) and repr(signed) == repr(again)
+
+
+def test_a_surface_is_copied_as_what_never_changes(sphere: Floats) -> None:
+    surface = footpoint.Surface(sphere)
+    assert copy.copy(surface) is surface and copy.deepcopy([surface])[0] is surface
+    with pytest.raises(TypeError, match="make it again"):
+        pickle.dumps(surface)
+
+
+def test_many_threads_are_as_many_as_are_of_use(sphere: Floats) -> None:
+    surface = footpoint.Surface(sphere)
+    assert surface.project(threads=10**30).ok.all() and surface.project(threads=20_000).ok.all()
 
 
 def test_colours_are_in_the_range_of_their_type(sphere: Floats) -> None:

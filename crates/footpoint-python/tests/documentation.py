@@ -54,6 +54,8 @@ def test_results_tell_something(sphere: Floats) -> None:
     assert re.fullmatch(
         r"<Surface: 4000 samples in 3-D, support [\d.]+ to [\d.]+, signed, per_sample=20, weight='poly4'>", repr(surface)
     )
+    text = repr(footpoint.Surface(sphere, radius=1, degree=1))
+    assert "radius=1" in text and "degree=1" in text
     far = sphere.copy()
     far[0] = 9.0
     found = surface.project(far)

@@ -140,6 +140,25 @@ def test_a_cloud_travels_to_other_processes(tmp_path: Path, sphere: Floats) -> N
     assert again.unit == read.unit == "metre" and again.format == "las"
 
 
+def test_masked_entries_are_not_written_as_numbers(tmp_path: Path, sphere: Floats) -> None:
+    mask = np.arange(4000) % 2 == 0
+    time = np.ma.masked_array(np.arange(4000.0), mask)
+    cloud = footpoint.Cloud(sphere, columns={"time": time})
+    footpoint.write(tmp_path / "points.ply", cloud)
+    assert np.array_equal(np.isnan(footpoint.read(tmp_path / "points.ply").columns["time"]), mask)
+    cloud.columns["x"] = np.ma.masked_array(sphere[:, 0], mask)
+    assert np.isnan(cloud.points[mask, 0]).all() and footpoint.Surface(cloud).samples_used == 2000
+    with pytest.raises(ValueError, match="count.*masked"):
+        footpoint.write(tmp_path / "a.ply", sphere, columns={"count": np.ma.masked_array(np.arange(4000), mask)})
+
+
+def test_a_cloud_keeps_its_own_columns(sphere: Floats) -> None:
+    time = np.arange(4000)
+    cloud = footpoint.Cloud(sphere, columns={"time": time})
+    cloud.columns["time"][:] = 0
+    assert time[3] == 3
+
+
 def test_missing_coordinates_are_named(sphere: Floats) -> None:
     cloud = footpoint.Cloud(sphere)
     del cloud.columns["x"]

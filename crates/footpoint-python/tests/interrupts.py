@@ -20,7 +20,10 @@ import os, signal, sys, threading, time
 import numpy as np, footpoint
 points = np.random.default_rng(1).normal(size=(600_000, 3))
 points /= np.linalg.norm(points, axis=1, keepdims=True)
-surface = None if sys.argv[1] == "index" else footpoint.Surface(points, auto=60)
+wide = {"radius": 3.0} if "wide" in sys.argv[1] else {"auto": 60}
+surface = None if sys.argv[1] == "index" else footpoint.Surface(points, **wide)
+angle = np.linspace(0, 2 * np.pi, 20_000)
+curve = footpoint.Surface(np.stack([np.cos(angle), np.sin(angle)], axis=1), radius=0.01)
 calls = {
     "index": lambda: footpoint.Surface(points, auto="best"),
     "evaluate": lambda: surface.evaluate(1.001 * points, ["hessian"]),
@@ -30,6 +33,13 @@ calls = {
     "cast": lambda: surface.cast(2 * points, -points),
     "render": lambda: footpoint.render(surface, size=(3000, 2000), occlusion=16),
     "write": lambda: footpoint.write(sys.argv[2], np.tile(points, (4, 1))),
+    "with_normals": lambda: [surface.with_normals() for _ in range(20)],
+    "contour": lambda: curve.contour(cell=0.01),
+    "wide evaluate": lambda: surface.evaluate(points[:900], ["hessian"]),
+    "wide project": lambda: surface.project(1.001 * points[:20_000]),
+    "wide cast": lambda: surface.cast(2 * points[:20_000], -points[:20_000]),
+    "wide render": lambda: footpoint.render(surface, size=(300, 200)),
+    "wide levin": lambda: surface.project(1.001 * points[:900], "levin"),
 }
 sent = []
 def interrupt():
@@ -44,8 +54,13 @@ except KeyboardInterrupt:
 """
 
 
+CALLS = ["index", "evaluate", "project", "distance", "orient", "cast", "render", "write", "with_normals", "contour"]
+# Supports that hold the whole cloud, of a radius in the wrong unit for example.
+CALLS += ["wide evaluate", "wide project", "wide cast", "wide render", "wide levin"]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-@pytest.mark.parametrize("call", ["index", "evaluate", "project", "distance", "orient", "cast", "render", "write"])
+@pytest.mark.parametrize("call", CALLS)
 def test_an_interrupt_is_heard(call: str, tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", SCRIPT, call, tmp_path / "out.csv"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

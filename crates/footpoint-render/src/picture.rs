@@ -81,7 +81,9 @@ pub struct Picture {
 #[non_exhaustive]
 pub enum RenderError {
     /// A size that is none.
-    #[error("a picture of {0} × {1} pixels: each must be at least 1 and at most 65535")]
+    #[error(
+        "a picture of {0} × {1} pixels: each must be from 1 to 65535, and both together at most 268 million"
+    )]
     Size(usize, usize),
     /// No ray at all.
     #[error("0 samples a pixel: at least 1 is needed")]
@@ -97,12 +99,16 @@ pub enum RenderError {
     Cancelled(#[from] Cancelled),
 }
 
+/// Pixels of a gigabyte.
+const MOST_PIXELS: usize = 1 << 28;
+
 impl Plan<'_> {
     /// Fails where there is nothing to draw.
     pub fn check(&self) -> Result<(), RenderError> {
         self.camera.check()?;
         let [width, height] = self.size;
-        if !((1..=65_535).contains(&width) && (1..=65_535).contains(&height)) {
+        if !((1..=65_535).contains(&width) && (1..=65_535).contains(&height)) || width * height > MOST_PIXELS
+        {
             return Err(RenderError::Size(width, height));
         }
         if self.across == 0 {

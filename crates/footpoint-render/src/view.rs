@@ -153,7 +153,7 @@ impl Extent {
         let ratio = width as f64 / height as f64;
         let fov = wish.fov_degrees;
         let sight = Camera {
-            from: add_scaled(at, unit(back), 1.0),
+            from: wish.from.unwrap_or(add_scaled(at, unit(back), 1.0)),
             at,
             up,
             projection: Projection::Perspective { fov_degrees: fov },

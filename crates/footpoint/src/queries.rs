@@ -100,7 +100,8 @@ impl<'q, const D: usize> Grouped<'q, D> {
         let Surface { grid, definition, .. } = self.surface;
         let state = || {
             let group = Group { rows: Vec::new(), positions: Vec::new(), invalid: Vec::new() };
-            (Evaluator::new(grid, definition, run.level(), wanted), group)
+            let evaluator = Evaluator::new(grid, definition, run.level(), wanted);
+            (evaluator.with_cancel(run.flag()), group)
         };
         let size = |i: usize| self.groups.range(i).len();
         run.for_each_group(self.groups.count(), size, state, |(evaluator, group), i| {

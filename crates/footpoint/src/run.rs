@@ -70,7 +70,8 @@ impl<'r> Run<'r> {
         Self::default()
     }
 
-    /// Uses this many threads; 0 means one per core, 1 the calling thread: several callers with 1 each do not wait for each other.
+    /// Uses this many threads, 256 or one per core at most; 0 means one per core, 1 the calling thread: several callers with 1
+    /// each do not wait for each other.
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = (threads > 0).then_some(threads);
         self
@@ -82,7 +83,7 @@ impl<'r> Run<'r> {
         self
     }
 
-    /// Stops soon after `flag` becomes true.
+    /// Stops soon after `flag` becomes true, however wide supports are. It has to stay true until then.
     pub fn cancel(mut self, flag: &'r AtomicBool) -> Self {
         self.cancel = Some(flag);
         self
@@ -116,6 +117,11 @@ impl<'r> Run<'r> {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
+    /// The flag of [`Run::cancel`].
+    pub(crate) fn flag(&self) -> Option<&AtomicBool> {
+        self.cancel
+    }
+
     /// Fails once the run has been cancelled.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
@@ -137,6 +143,8 @@ impl<'r> Run<'r> {
             let mut finished = 0;
             for group in chunk * GROUPS_AT_A_TIME..count.min((chunk + 1) * GROUPS_AT_A_TIME) {
                 work(state, group);
+                // What was made while it was cancelled is not to be trusted.
+                self.check()?;
                 finished += size(group);
             }
             let done = done.fetch_add(finished, Ordering::Relaxed) + finished;
@@ -153,8 +161,8 @@ impl<'r> Run<'r> {
         (0..chunks).try_for_each(|chunk| several(&mut state, chunk))
     }
 
-    /// `work(0)`, …, `work(count − 1)` in order.
-    pub(crate) fn map<T: Send>(
+    /// `work(0)`, …, `work(count − 1)` in order, on the threads of this run: for a front's own work between calls.
+    pub fn map<T: Send>(
         &self,
         count: usize,
         work: impl Fn(usize) -> T + Sync + Send,
@@ -257,12 +265,15 @@ mod pool {
         pool: Arc<ThreadPool>,
     }
 
+    /// More threads than this, or than there are cores, gain nothing, and thousands take minutes to be made.
+    pub(super) const MOST: usize = 256;
+
     static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
 
     /// The pool with this many threads (all cores for `None`); the last one used is kept.
     pub(super) fn with_threads(threads: Option<usize>) -> Option<Arc<ThreadPool>> {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        let threads = threads.unwrap_or_else(cores);
+        let threads = threads.map_or_else(cores, |threads| threads.min(cores().max(MOST)));
         // A forked child has the pool's memory without its threads.
         let process = std::process::id();
         let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
@@ -309,6 +320,13 @@ mod tests {
             assert!(seen.lock().unwrap().iter().all(|&count| count == 1));
             assert_eq!(last.load(Ordering::Relaxed), 3000);
         }
+    }
+
+    #[test]
+    #[cfg(feature = "threads")]
+    fn threads_are_bounded() {
+        let pool = pool::with_threads(Some(usize::MAX)).unwrap();
+        assert!((pool::MOST..10_000).contains(&pool.current_num_threads()));
     }
 
     #[test]

@@ -6,16 +6,14 @@
 //! none may lead further away.
 
 use footpoint::{Cancelled, Progress, Project, Queries, Run, Status, Surface, Want};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 use std::cmp::Ordering;
-use std::num::NonZero;
 
-/// Walks start at the foot of this rank, 1 the nearest; the next is tried where a walk is lost: noisy surfaces have holes.
-const RANKS: [NonZero<usize>; 3] = [
-    NonZero::<usize>::MIN,
-    NonZero::<usize>::MIN.saturating_add(7),
-    NonZero::<usize>::MIN.saturating_add(31),
-];
+/// Walks start at the foot of this rank, 0 the nearest; the next is tried where a walk is lost: noisy surfaces have holes.
+const RANKS: [usize; 3] = [0, 7, 31];
+/// So many walk together: enough for all threads, few enough to tell often how many have arrived.
+const TOGETHER: usize = 1 << 16;
 /// Longest step, in supports: so far the projection finds the way back.
 const LONGEST: f64 = 0.25;
 /// Where not even such a step, in supports, ends on the surface, it has an end there.
@@ -51,31 +49,36 @@ pub(super) fn walk<const D: usize>(
     for (attempt, rank) in RANKS.into_iter().enumerate() {
         let lost = |end: &End<D>| attempt == 0 || matches!(end, Err(status) if *status != Status::Outside);
         let rows: Vec<usize> = (0..queries.len()).filter(|&row| lost(&ends[row])).collect();
-        let points: Vec<[f64; D]> = rows.iter().map(|&row| queries[row]).collect();
-        let mut walkers = starts.walkers(surface, &points, (how, rank, limit), run)?;
-        iterate(surface, &mut walkers, how, run)?;
-        for (walker, row) in walkers.iter().zip(rows) {
-            // The first reason stands.
-            if attempt == 0 || walker.end == Some(Status::Ok) {
-                ends[row] = walker.arrival();
+        let mut gone = 0;
+        for part in rows.chunks(TOGETHER) {
+            let points: Vec<[f64; D]> = part.iter().map(|&row| queries[row]).collect();
+            let mut walkers = starts.walkers(surface, &points, (how, rank, limit), run)?;
+            let arrived = |here| run.announce(Progress { done: gone + here, total: rows.len() });
+            iterate(surface, &mut walkers, how, (run, &arrived))?;
+            for (walker, &row) in walkers.iter().zip(part) {
+                // The first reason stands.
+                if attempt == 0 || walker.end == Some(Status::Ok) {
+                    ends[row] = walker.arrival();
+                }
             }
+            gone += part.len();
         }
     }
     Ok(ends)
 }
 
-/// Takes steps until every walk has ended, or for so many rounds.
+/// Takes steps until every walk has ended, or for so many rounds; tells how many have ended.
 fn iterate<const D: usize>(
     surface: &Surface<D>,
     walkers: &mut [Walker<D>],
     how: &Project,
-    run: &Run<'_>,
+    (run, arrived): (&Run<'_>, &dyn Fn(usize)),
 ) -> Result<(), Cancelled> {
     let quiet = run.silent();
     let back = how.with_most_evaluations(MOST_EVALUATIONS);
     for _ in 0..ROUNDS {
         let under_way: Vec<usize> = (0..walkers.len()).filter(|&i| walkers[i].end.is_none()).collect();
-        run.announce(Progress { done: walkers.len() - under_way.len(), total: walkers.len() });
+        arrived(walkers.len() - under_way.len());
         if under_way.is_empty() {
             break;
         }
@@ -192,8 +195,9 @@ impl<const D: usize> Walker<D> {
 struct Starts<const D: usize> {
     feet: Vec<[f64; D]>,
     normals: Vec<[f64; D]>,
-    /// Over the feet in `unit`s of a support, whose squares stay in range whatever the unit of the file.
-    tree: Option<ImmutableKdTree<f64, D>>,
+    /// Rows of the feet, in `unit`s of a support, whose squares stay in range whatever the unit of the file. A tree of boxes,
+    /// for they are looked for from far away: without boxes most of a tree is visited from there.
+    tree: RTree<GeomWithData<[f64; D], usize>>,
     unit: f64,
 }
 
@@ -205,22 +209,33 @@ impl<const D: usize> Starts<D> {
         // In the order of their coordinates, so that answers depend on no other, and each once.
         let point = |row: usize| found.point[row];
         rows.sort_unstable_by(|&a, &b| {
-            let axes = point(a).into_iter().zip(point(b)).map(|(a, b)| a.total_cmp(&b));
-            axes.fold(Ordering::Equal, Ordering::then)
+            let mut axes = point(a).into_iter().zip(point(b)).map(|(a, b)| a.total_cmp(&b));
+            axes.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
         });
         rows.dedup_by(|a, b| point(*a) == point(*b));
+        if run.is_cancelled() {
+            return Err(Cancelled);
+        }
         let feet: Vec<[f64; D]> = rows.iter().map(|&row| found.point[row]).collect();
         let normals = rows.iter().map(|&row| found.surface_normal[row]).collect();
         let unit = surface.support().median;
-        let scaled: Vec<[f64; D]> = feet.iter().map(|foot| foot.map(|c| c / unit)).collect();
-        Ok(Self { tree: ImmutableKdTree::new_from_slice(&scaled).ok(), feet, normals, unit })
+        let scaled = |(row, foot): (usize, &[f64; D])| {
+            let foot = foot.map(|c| c / unit);
+            // The tree has no place for others.
+            foot.iter().all(|c| c.is_finite()).then(|| GeomWithData::new(foot, row))
+        };
+        let tree = RTree::bulk_load(feet.iter().enumerate().filter_map(scaled).collect());
+        Ok(Self { tree, feet, normals, unit })
     }
 
-    /// The foot of this rank among those near a location: 1 is the nearest. The last there is where there are fewer.
-    fn near(&self, at: [f64; D], rank: NonZero<usize>) -> Option<usize> {
+    /// The foot of this rank among those near a location: 0 is the nearest. The last there is where there are fewer.
+    fn near(&self, at: [f64; D], rank: usize) -> Option<usize> {
         let at = at.map(|c| c / self.unit);
-        let found = self.tree.as_ref()?.query(&at).nearest_n::<SquaredEuclidean<f64>>(rank).execute();
-        found.last().map(|item| item.item as usize)
+        let foot = match rank {
+            0 => self.tree.nearest_neighbor(&at),
+            _ => self.tree.nearest_neighbor_iter(&at).take(rank + 1).last(),
+        };
+        foot.map(|foot| foot.data)
     }
 
     /// Walkers at their starts; *outside* for queries without one nearer than `limit`.
@@ -228,11 +243,10 @@ impl<const D: usize> Starts<D> {
         &self,
         surface: &Surface<D>,
         queries: &[[f64; D]],
-        (how, rank, limit): (&Project, NonZero<usize>, f64),
+        (how, rank, limit): (&Project, usize, f64),
         run: &Run<'_>,
     ) -> Result<Vec<Walker<D>>, Cancelled> {
-        let near = |&at: &[f64; D]| if run.is_cancelled() { Err(Cancelled) } else { Ok(self.near(at, rank)) };
-        let near: Vec<Option<usize>> = queries.iter().map(near).collect::<Result<_, _>>()?;
+        let near = run.map(queries.len(), |i| self.near(queries[i], rank))?;
         let feet: Vec<[f64; D]> = near.iter().flatten().map(|&i| self.feet[i]).collect();
         let quiet = run.silent();
         let mut supports =

@@ -19,6 +19,8 @@ def doubles(values: npt.ArrayLike, name: str) -> Floats:
         array: npt.NDArray[Any] = np.asanyarray(values)
     except ValueError as problem:
         raise ValueError(f"{name}: {problem}") from None
+    if array.dtype == object and array.shape == ():
+        raise TypeError(f"{name}: a {type(values).__name__}, but an array of real numbers is wanted")
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: values of type {array.dtype}, but real numbers are wanted")
     if isinstance(array, np.ma.MaskedArray):

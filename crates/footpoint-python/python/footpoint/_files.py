@@ -61,7 +61,7 @@ class Cloud:
         self.format, self.notes, self.missing_points = None, [], 0
         self.points = rows
         self.normals = normals
-        self.columns.update({name: np.asarray(values) for name, values in (columns or {}).items()})
+        self.columns.update({name: np.array(values, subok=True) for name, values in (columns or {}).items()})
         self._check()
 
     @classmethod
@@ -150,7 +150,7 @@ class Cloud:
             raise TypeError(f"rows: {rows!r}, but a mask, a slice or numbers of rows are wanted; a column is columns[name]")
         cloud = Cloud.__new__(Cloud)
         cloud._coordinates, cloud._normals, cloud._origin = self._coordinates, self._normals, self._origin
-        cloud.columns = {name: np.asarray(values)[rows] for name, values in self.columns.items()}
+        cloud.columns = {name: np.asanyarray(values)[rows] for name, values in self.columns.items()}
         cloud.format, cloud.notes, cloud.missing_points = self.format, list(self.notes), self.missing_points
         return cloud
 
@@ -164,14 +164,15 @@ class Cloud:
     def _column(self, name: str) -> npt.NDArray[Any]:
         if name not in self.columns:
             raise ValueError(f"columns: {name!r} is missing, which holds coordinates")
-        return np.asarray(self.columns[name])
+        return np.asanyarray(self.columns[name])
 
     def __repr__(self) -> str:
         source = f" from {self.format}" if self.format else ""
         return f"<Cloud: {len(self)} points in {self.dimension}-D{source}; {' '.join(self.columns)}>"
 
     def _stacked(self, names: list[str]) -> Floats:
-        rows = np.stack([np.asarray(self._column(name), np.float64) for name in names], axis=1)
+        columns = [_arrays.doubles(self._column(name), f"columns[{name!r}]") for name in names]
+        rows = np.stack(columns, axis=1)
         rows.flags.writeable = False
         return rows
 
@@ -208,6 +209,8 @@ def read(
         It is of no known format, is cut short or contradicts itself, or has no coordinates; the message says where.
     """
     box = None if within is None else _arrays.like(within, "within", (2, 3)).tolist()
+    if box is not None and any(low > high for low, high in zip(*box)):
+        raise ValueError(f"within: {box}, but the first corner has to be the lower one")
     with how(0, progress, "reading") as run:
         return Cloud._of(_footpoint.read(os.fsdecode(path), box, run))
 
@@ -255,7 +258,7 @@ def write(
         cloud = Cloud(points)
     if normals is not None:
         cloud.normals = normals
-    cloud.columns.update({name: np.asarray(values) for name, values in (columns or {}).items()})
+    cloud.columns.update({name: np.asanyarray(values) for name, values in (columns or {}).items()})
     table = {name: _column(name, values, len(cloud)) for name, values in cloud.columns.items()}
     with how(0, progress, "writing") as run:
         _footpoint.write(os.fsdecode(path), table, cloud._origin, overwrite, run)
@@ -263,9 +266,13 @@ def write(
 
 def _column(name: str, values: npt.ArrayLike, count: int) -> npt.NDArray[Any] | list[str]:
     """Values as a column of a file: numbers in C order and of the machine's byte order, or text."""
-    array = np.asarray(values)
+    array = np.asanyarray(values)
     if array.shape != (count,):
         raise ValueError(f"columns[{name!r}]: shape {array.shape}, but {(count,)} is wanted")
+    if isinstance(array, np.ma.MaskedArray):
+        if np.ma.is_masked(array) and array.dtype.kind != "f":
+            raise ValueError(f"columns[{name!r}]: masked entries of type {array.dtype}, which has no NaN for them")
+        array = array.filled(np.nan) if array.dtype.kind == "f" else array.data
     if array.dtype.kind in "UOT" and all(isinstance(value, str) for value in array):
         return [str(value) for value in array]
     if array.dtype.kind == "b":

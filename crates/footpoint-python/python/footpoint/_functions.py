@@ -140,13 +140,19 @@ def orient(
     if sensors is not None:
         values = [_arrays.like(sensors, "sensors", (count, dimension))]
     elif trajectory is not None and times is not None:
-        stamps = _arrays.doubles(trajectory[0], "trajectory")
+        try:
+            moments, positions = trajectory
+        except (TypeError, ValueError):
+            raise TypeError("trajectory: a pair of arrays is wanted, times (m,) and positions (m, D)") from None
+        stamps = _arrays.doubles(moments, "trajectory")
         if stamps.ndim != 1:
             raise ValueError(f"trajectory: its times have shape {stamps.shape}, but (m,) is wanted")
-        path = _arrays.like(trajectory[1], "trajectory", (len(stamps), dimension))
+        path = _arrays.like(positions, "trajectory", (len(stamps), dimension))
         values = [_arrays.like(times, "times", (count,)), stamps, path]
     elif given:
-        values = [_arrays.doubles(rules[given[0]], given[0])]  # type: ignore[arg-type]
+        vector = towards if along is None else along
+        assert vector is not None
+        values = [_arrays.like(vector, given[0], (dimension,))]
     by = given[0] if given else "propagated"
     with how(threads, progress, "orienting") as run:
         found = surface._core.orient(
@@ -191,6 +197,8 @@ def distance(
     -------
     Distances
     """
+    if points is None or isinstance(points, Surface):
+        raise TypeError(f"points: a {type(points).__name__}, but an array or a Cloud is wanted")
     surface = surface_of(to, None, options, (threads, progress))
     at, shape = surface._queries(points, "points")
     assert at is not None

@@ -121,6 +121,8 @@ def render(
         title = title or attribute
         attribute = points.columns[attribute]
     file = None if path is None else os.fsdecode(path)
+    if range is not None and shown in ("surface", "frame", "colour", "normal"):
+        raise ValueError(f'range: shading="{shown}" shows no numbers')
     surface = surface_of(points, normals, options, (threads, progress))
     values = None
     if attribute is not None:
@@ -130,6 +132,9 @@ def render(
     other = None
     if to is not None:
         more: SurfaceOptions = {} if isinstance(to, Surface) else options
+        for name in ("supports", "factors", "noise"):
+            if np.ndim(more.get(name, 0)):  # type: ignore[arg-type]
+                raise ValueError(f"{name}: one for each of `points`, but `to` has points of its own: give it as a Surface")
         other = surface_of(to, None, more, (threads, progress))._core
     wishes = {
         "shading": shown,

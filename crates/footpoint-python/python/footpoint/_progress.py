@@ -9,6 +9,9 @@ from contextlib import contextmanager
 from typing import Any, Union
 
 # `True` shows a bar; a function is called with the points that are done and those there are. A new total is a new stage.
+# The library takes fewer still; larger numbers are too large for it to be told.
+_MOST_THREADS = 2**31 - 1
+
 Progress = Union[bool, Callable[[int, int], object], None]
 
 
@@ -21,6 +24,7 @@ def how(threads: int, progress: Progress, label: str) -> Iterator[dict[str, Any]
         raise TypeError(f"threads: {threads!r}, but a whole number is wanted") from None
     if threads < 0:
         raise ValueError(f"threads: {threads!r}, but a number from 0 on is wanted (0: one for each core)")
+    threads = min(threads, _MOST_THREADS)
     if progress is None or progress is False:
         yield {"threads": threads, "progress": None}
     elif progress is True:

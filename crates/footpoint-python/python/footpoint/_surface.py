@@ -188,6 +188,8 @@ class Surface:
         running: tuple[int, Progress],
     ) -> None:
         supports, factors, noise = columns
+        if isinstance(points, Surface):
+            raise TypeError("points: a Surface, but an array or a Cloud is wanted")
         if isinstance(points, Cloud):
             points._check()
             normals = points.normals if normals is None else normals
@@ -207,7 +209,7 @@ class Surface:
         with how(*running, "indexing") as run:
             self._core = _footpoint.Surface(rows, given, definition, run)
         self._facts = self._core.facts
-        given_options = {name: value for name, value in definition.items() if value not in (None, False, True)}
+        given_options = {name: value for name, value in definition.items() if value is not None and not isinstance(value, bool)}
         # Numbers of NumPy would show their type.
         self._options = {n: v.item() if isinstance(v, np.generic) else v for n, v in given_options.items()}
 
@@ -236,9 +238,13 @@ class Surface:
         """
         if isinstance(want, str):
             raise TypeError(f"want: {want!r}, but a sequence of names is wanted, such as ({want!r},)")
+        try:
+            names = tuple(str(name) for name in want)
+        except TypeError:
+            raise TypeError(f"want: {want!r}, but a sequence of names is wanted") from None
         at, shape = self._queries(x, "x")
         with how(threads, progress, "evaluating") as run:
-            found = self._core.evaluate(at, tuple(want), run)
+            found = self._core.evaluate(at, names, run)
         curvature = found.get("curvature")
         found = shaped(found, shape)
         if curvature is not None:
@@ -441,6 +447,15 @@ class Surface:
 
     def __len__(self) -> int:
         return int(self._facts["samples"])
+
+    def __copy__(self) -> Surface:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Surface:
+        return self
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Surface cannot be pickled: send its points and options, and make it again there")
 
     def __repr__(self) -> str:
         support = self.support

@@ -22,6 +22,7 @@ pub(crate) use batch::Pass;
 use batch::{Announce, Batch, Task, taken_at};
 use fearless_simd::Level;
 pub(crate) use own::own_sensitivity;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,6 +49,7 @@ pub(crate) struct Evaluator<'s, const D: usize> {
     grid: &'s Grid<D>,
     task: Task,
     work: Work<D>,
+    cancel: Option<&'s AtomicBool>,
 }
 
 /// The scratch of one precision.
@@ -82,7 +84,12 @@ impl<'s, const D: usize> Evaluator<'s, D> {
             Store::Double(_) => Work::Double(Box::new(Batch::new())),
             Store::Single(_) => Work::Single(Box::new(Batch::new())),
         };
-        Self { grid, task, work }
+        Self { grid, task, work, cancel: None }
+    }
+
+    /// The same, which answers *nowhere* at once when the flag is set: a block alone may take long where supports are wide.
+    pub(crate) fn with_cancel(self, cancel: Option<&'s AtomicBool>) -> Self {
+        Self { cancel, ..self }
     }
 
     /// Evaluates positions, which the grid holds; `take` gets the place of each and its answers, and `announce` their places
@@ -93,28 +100,31 @@ impl<'s, const D: usize> Evaluator<'s, D> {
         announce: Announce<'_>,
         mut take: impl FnMut(usize, &Answers<D>, usize),
     ) {
-        let Self { grid, task, work } = self;
+        let Self { grid, task, work, cancel } = self;
+        let is_cancelled = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
+        let how = (&**grid, &*task, announce, &is_cancelled as &dyn Fn() -> bool);
         match work {
-            Work::Double(batch) => evaluate((grid, task, announce), batch, (0, positions), &mut take),
-            Work::Single(batch) => evaluate((grid, task, announce), batch, (0, positions), &mut take),
+            Work::Double(batch) => evaluate(how, batch, (0, positions), &mut take),
+            Work::Single(batch) => evaluate(how, batch, (0, positions), &mut take),
         }
     }
 }
 
 /// Gathers candidates for the positions unless that has been done; positions too far apart for that are halved first.
 fn evaluate<N: Culled, const D: usize>(
-    (grid, task, announce): (&Grid<D>, &Task, Announce<'_>),
+    how: (&Grid<D>, &Task, Announce<'_>, &dyn Fn() -> bool),
     batch: &mut Batch<N, D>,
     (first, positions): (usize, &[Position<D>]),
     take: &mut impl FnMut(usize, &Answers<D>, usize),
 ) {
+    let (grid, task, announce, is_cancelled) = how;
     let extent = Extent::around(positions.iter().map(|position| taken_at::<N, D>(position).0));
     if !batch.candidates.covers(&extent) {
         let side = grid.typical_side();
         if extent.longest_side() > (LONGEST_SIDE - 2.0 * MARGIN) * side && positions.len() > 1 {
             let (left, right) = positions.split_at(positions.len() / 2);
-            evaluate((grid, task, announce), batch, (first, left), take);
-            evaluate((grid, task, announce), batch, (first + left.len(), right), take);
+            evaluate(how, batch, (first, left), take);
+            evaluate(how, batch, (first + left.len(), right), take);
             return;
         }
         let margin = if task.moved { MARGIN * side } else { 0.0 };
@@ -128,6 +138,9 @@ fn evaluate<N: Culled, const D: usize>(
     }
     let mut taken = 0;
     while taken < positions.len() {
+        if is_cancelled() {
+            return (taken..positions.len()).for_each(|place| take(first + place, &Answers::NOWHERE, 0));
+        }
         let first = first + taken;
         taken += batch.run(task, grid, &positions[taken..], &|places, pass| {
             announce(first + places.start..first + places.end, pass);

@@ -166,7 +166,7 @@ impl<const D: usize> Surface<D> {
                 trace.iterates.push(scale(add(start.anchor, way), self.grid.unit));
                 trace.values.push(value * self.grid.unit);
             };
-            trace.status = levin::project(self, start.anchor, (how, degree), observe).0;
+            trace.status = levin::project(self, start.anchor, (how, degree, None), observe).0;
             return trace;
         }
         let wanted = Wanted { moving: true, gradient: true, ..Wanted::default() };
@@ -223,7 +223,11 @@ impl<const D: usize> Running<'_, D> {
             grouped.for_each_group(self.run, wanted, |evaluator, group| {
                 if let Operator::Levin { degree } = how.operator {
                     for (&row, at) in group.rows.iter().zip(&group.positions) {
-                        put(row as usize, levin::project(surface, at.anchor, (how, degree), |_, _| {}));
+                        if self.run.is_cancelled() {
+                            break;
+                        }
+                        let how = (how, degree, self.run.flag());
+                        put(row as usize, levin::project(surface, at.anchor, how, |_, _| {}));
                     }
                 } else {
                     let mut moving: Vec<Moving<D>> =

@@ -5,10 +5,12 @@ use crate::common::{
 };
 use footpoint::samples;
 use footpoint::{
-    Acceptance, Cancelled, Cloud, Definition, Error, Evaluations, Instructions, Noise, NormalField, Operator,
-    Precision, Project, Queries, Run, Status, Support, Surface, Want, Weight,
+    Acceptance, Cancelled, Cast, Cloud, Definition, Error, Evaluations, Instructions, Noise, NormalField,
+    Operator, Precision, Project, Queries, Ray, Run, Status, Support, Surface, Want, Weight,
 };
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
 fn torus(variant: Variant) -> Columns<3> {
     Columns::new(&samples::torus(1.0, 0.4, 1500, 1).with_noise(0.01, 2), 0.3, variant)
@@ -361,6 +363,39 @@ fn progress_reaches_the_total_and_cancelling_ends_the_work() {
         let run = Run::new().cancel(&flag);
         assert!(surface.with(&run).evaluate(&at, Want::VALUE).is_ok());
     }
+}
+
+#[test]
+fn wide_supports_do_not_delay_the_end() {
+    // Every sample is a neighbour of every query, and all queries are one group: seconds for each of these calls.
+    let points = samples::sphere(1.0, 300_000, 1).points;
+    let definition = Definition::new().with_support(Support::Uniform(3.0));
+    let surface = Surface::new(Cloud::new(points.clone()), definition).unwrap();
+    let at = &points[..500];
+    let flag = AtomicBool::new(false);
+    let run = Run::new().cancel(&flag);
+    let ended = |call: &(dyn Fn() -> Result<(), Cancelled> + Sync)| {
+        flag.store(false, Ordering::Relaxed);
+        let begun = Instant::now();
+        thread::scope(|scope| {
+            scope.spawn(|| {
+                thread::sleep(Duration::from_millis(100));
+                flag.store(true, Ordering::Relaxed);
+            });
+            assert_eq!(call(), Err(Cancelled));
+        });
+        begun.elapsed()
+    };
+    let levin = Project::new().with_operator(Operator::Levin { degree: Some(2) });
+    let rays: Vec<Ray<3>> =
+        at.iter().map(|p| Ray { origin: p.map(|c| 2.0 * c), direction: p.map(|c| -c) }).collect();
+    let all = [
+        ended(&|| surface.with(&run).evaluate(at, Want::ALL).map(drop)),
+        ended(&|| surface.with(&run).project(at, &Project::new()).map(drop)),
+        ended(&|| surface.with(&run).project(at, &levin).map(drop)),
+        ended(&|| surface.with(&run).cast(&rays, &Cast::new()).map(drop)),
+    ];
+    assert!(all.iter().all(|&late| late < Duration::from_secs(1)), "{all:?}");
 }
 
 #[test]
