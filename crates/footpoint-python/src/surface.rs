@@ -29,7 +29,7 @@ pub(crate) struct AnySurface {
 
 enum Either {
     Plane(Arc<Surface<2>>),
-    Space(Surface<3>),
+    Space(Arc<Surface<3>>),
 }
 
 /// Evaluations that one of Levin's projections costs, more or less.
@@ -69,7 +69,7 @@ impl AnySurface {
         let has_noise = columns.noise.is_some() || recipe.noise.is_some();
         let surface = match points.shape() {
             [_, 2] => Either::Plane(Arc::new(index(py, &points, &columns, (recipe, &how))?)),
-            _ => Either::Space(index(py, &points, &columns, (recipe, &how))?),
+            _ => Either::Space(Arc::new(index(py, &points, &columns, (recipe, &how))?)),
         };
         Ok(Self::of(surface, has_noise))
     }
@@ -233,7 +233,7 @@ impl AnySurface {
     fn with_normals(&self, py: Python<'_>, normals: Doubles<'_>, how: How) -> PyResult<Self> {
         let surface = match &self.surface {
             Either::Plane(surface) => Either::Plane(Arc::new(with_normals(py, surface, &normals, &how)?)),
-            Either::Space(surface) => Either::Space(with_normals(py, surface, &normals, &how)?),
+            Either::Space(surface) => Either::Space(Arc::new(with_normals(py, surface, &normals, &how)?)),
         };
         Ok(Self { surface, has_noise: self.has_noise, neighbours: self.neighbours })
     }
@@ -251,7 +251,7 @@ impl AnySurface {
             return Err(wrong("points", "they have 2 coordinates, which make a curve; pictures need 3"));
         };
         let to = match to.as_ref().map(|to| &to.get().surface) {
-            Some(Either::Space(to)) => Some(to),
+            Some(Either::Space(to)) => Some(&**to),
             Some(Either::Plane(_)) => return Err(wrong("to", "its points have 2 coordinates, not 3")),
             None => None,
         };

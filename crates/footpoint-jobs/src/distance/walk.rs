@@ -9,11 +9,16 @@ use footpoint::{Cancelled, Progress, Project, Queries, Run, Status, Surface, Wan
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::cmp::Ordering;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::Duration;
 
 /// Walks start at the foot of this rank, 0 the nearest; the next is tried where a walk is lost: noisy surfaces have holes.
 const RANKS: [usize; 3] = [0, 7, 31];
 /// So many walk together: enough for all threads, few enough to tell often how many have arrived.
 const TOGETHER: usize = 1 << 16;
+/// How often a thread that waits looks whether it is to end.
+const TICK: Duration = Duration::from_millis(20);
 /// Longest step, in supports: so far the projection finds the way back.
 const LONGEST: f64 = 0.25;
 /// Where not even such a step, in supports, ends on the surface, it has an end there.
@@ -197,8 +202,32 @@ struct Starts<const D: usize> {
     normals: Vec<[f64; D]>,
     /// Rows of the feet, in `unit`s of a support, whose squares stay in range whatever the unit of the file. A tree of boxes,
     /// for they are looked for from far away: without boxes most of a tree is visited from there.
-    tree: RTree<GeomWithData<[f64; D], usize>>,
+    tree: RTree<Place<D>>,
     unit: f64,
+}
+
+/// A foot, in units of a support, and its row.
+type Place<const D: usize> = GeomWithData<[f64; D], usize>;
+
+/// The tree of these feet. It takes a second for two million: on a thread of its own, which nobody waits for once cancelled.
+fn tree<const D: usize>(
+    feet: impl Fn() -> Vec<Place<D>>,
+    run: &Run<'_>,
+) -> Result<RTree<Place<D>>, Cancelled> {
+    let (tell, told) = mpsc::channel();
+    let theirs = feet();
+    let task = move || drop(tell.send(RTree::bulk_load(theirs)));
+    if thread::Builder::new().spawn(task).is_err() {
+        return Ok(RTree::bulk_load(feet()));
+    }
+    loop {
+        match told.recv_timeout(TICK) {
+            Ok(tree) => return Ok(tree),
+            Err(RecvTimeoutError::Timeout) if run.is_cancelled() => return Err(Cancelled),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Ok(RTree::bulk_load(feet())),
+        }
+    }
 }
 
 impl<const D: usize> Starts<D> {
@@ -224,7 +253,7 @@ impl<const D: usize> Starts<D> {
             // The tree has no place for others.
             foot.iter().all(|c| c.is_finite()).then(|| GeomWithData::new(foot, row))
         };
-        let tree = RTree::bulk_load(feet.iter().enumerate().filter_map(scaled).collect());
+        let tree = tree(|| feet.iter().enumerate().filter_map(scaled).collect(), run)?;
         Ok(Self { tree, feet, normals, unit })
     }
 
