@@ -34,7 +34,10 @@ def surface_of(cloud: dict[str, Any], case: dict[str, Any]) -> footpoint.Surface
     return footpoint.Surface(cloud["points"], normals, **options)
 
 
-@pytest.mark.parametrize("name", ["torus", "ellipse", "sheet-utm", "sheet-with-factors", "scan-per-sample-support"])
+NAMES = ["torus", "sphere", "ellipse", "sheet", "sheet-utm", "sheet-with-factors", "scan-per-sample-support"]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_golden_numbers(shared: Path, name: str) -> None:
     cloud = json.loads((shared / "golden" / f"{name}.json").read_text())
     ulp = np.abs(cloud["points"]).max() * np.finfo(float).eps
