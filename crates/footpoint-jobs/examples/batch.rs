@@ -2,21 +2,10 @@
 //! doubles, three a point, as the machine has them. For every line of input it evaluates once and prints the seconds.
 
 use footpoint::{Cloud, Definition, Run, Surface, Want};
+use footpoint_jobs::USUAL;
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
-
-/// The columns that fronts compute unless they are asked for others.
-const USUAL: [Want; 8] = [
-    Want::VALUE,
-    Want::AVERAGE,
-    Want::FRAME_NORMAL,
-    Want::GRADIENT,
-    Want::SURFACE_NORMAL,
-    Want::GAP,
-    Want::NEIGHBOURS,
-    Want::EFFECTIVE_NEIGHBOURS,
-];
 
 fn points(path: &Path) -> std::io::Result<Vec<[f64; 3]>> {
     let bytes = std::fs::read(path)?;

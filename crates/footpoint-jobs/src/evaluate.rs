@@ -34,7 +34,8 @@ pub enum Extra {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-const USUAL: [Want; 8] = [
+/// What is computed unless something else is asked for.
+pub const USUAL: [Want; 8] = [
     Want::VALUE,
     Want::AVERAGE,
     Want::FRAME_NORMAL,

@@ -33,14 +33,14 @@ pub use distance::{
     Coloured, DistanceReport, DistanceSearch, Feet, Histogram, Quantile, check_distance, distance,
 };
 pub use dry::Mode;
-pub use evaluate::{Extra, evaluate};
+pub use evaluate::{Extra, USUAL, evaluate};
 pub use figure::{FigurePlan, Which, figure};
 pub use info::{InfoReport, NormalsReport, info};
 pub use load::surface_of_cloud;
 pub use normals::{Bending, NormalChoice, normals};
 pub use orient::{OrientBy, OrientPlan, OrientationReport, orient};
 pub use project::project;
-pub use render::{RenderPlan, RenderReport, Show, picture, render, title};
+pub use render::{RenderPlan, RenderReport, Show, check_picture, picture, render, title, write_picture};
 pub use report::{
     InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
 };

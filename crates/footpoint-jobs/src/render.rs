@@ -5,7 +5,7 @@ use crate::load::Loaded;
 use crate::report::Report;
 use crate::{Context, JobError, Stage};
 use footpoint::{Run, Surface};
-use footpoint_io::{Data, check_file, write_file};
+use footpoint_io::{Data, Overwrite, check_file, write_file};
 use footpoint_render::{
     Background, Camera, Extent, Keep, Occlusion, Picture, Plan, Relief, Shading, Wish, linear,
     render as draw, view_size, write_depth, write_image, write_mask, write_normals,
@@ -136,7 +136,7 @@ pub fn render(
     let files = plan.files(input, output);
     let output = &files[0];
     for (i, file) in files.iter().enumerate() {
-        check_picture(file, context)?;
+        check_picture(file, context.overwrite)?;
         if files[..i].contains(file) {
             return Err(JobError::SameFile(file.display().to_string()));
         }
@@ -293,21 +293,28 @@ pub(crate) fn put(
     context: &Context<'_>,
     fill: &dyn Fn(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> Result<(), JobError> {
-    timed(&mut report.times.write, || {
-        write_file(path, context.overwrite, |file| {
-            let mut out = BufWriter::new(file);
-            fill(&mut out)?;
-            out.flush()
-        })
-    })?;
+    timed(&mut report.times.write, || write_picture(path, context.overwrite, fill))?;
     report.wrote(path);
     Ok(())
 }
 
+/// Writes what `fill` gives to a file, which is complete or not there.
+pub fn write_picture(
+    path: &Path,
+    overwrite: Overwrite,
+    fill: &dyn Fn(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> Result<(), JobError> {
+    Ok(write_file(path, overwrite, |file| {
+        let mut out = BufWriter::new(file);
+        fill(&mut out)?;
+        out.flush()
+    })?)
+}
+
 /// Fails, before any work is done, where no picture could be put at `path`.
-pub(crate) fn check_picture(path: &Path, context: &Context<'_>) -> Result<(), JobError> {
+pub fn check_picture(path: &Path, overwrite: Overwrite) -> Result<(), JobError> {
     match path.extension() {
-        Some(extension) if extension.eq_ignore_ascii_case("png") => Ok(check_file(path, context.overwrite)?),
+        Some(extension) if extension.eq_ignore_ascii_case("png") => Ok(check_file(path, overwrite)?),
         _ => Err(JobError::NotPng(path.display().to_string())),
     }
 }

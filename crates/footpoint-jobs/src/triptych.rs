@@ -25,7 +25,7 @@ pub fn triptych(
     width: usize,
     context: &Context<'_>,
 ) -> Result<Report, JobError> {
-    check_picture(output, context)?;
+    check_picture(output, context.overwrite)?;
     let mut report = Report::new("figure", context.recipe.clone());
     let (surface, name) = match input {
         Some(path) => {

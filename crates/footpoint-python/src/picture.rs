@@ -5,14 +5,12 @@ use crate::errors::{of_file, of_render, wrong};
 use crate::options::Options;
 use crate::work::How;
 use footpoint::Surface;
-use footpoint_io::{Overwrite, check_file, write_file};
-use footpoint_jobs::{JobError, RenderPlan, picture, title};
+use footpoint_jobs::{JobError, Overwrite, RenderPlan, check_picture, picture, title, write_picture};
 use footpoint_render::{Background, Picture, Relief, RenderError, Shading, View, Wish, linear, write_image};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The picture's bytes, width and height. `values` are one number or one colour a sample, where the shading wants them.
 pub(crate) fn render<'py>(
@@ -47,7 +45,7 @@ pub(crate) fn render<'py>(
     let overwrite = if options.is_set("overwrite")? { Overwrite::Replace } else { Overwrite::Refuse };
     let path = options.get::<PathBuf>("path", "a path")?;
     if let Some(path) = &path {
-        check(path, overwrite)?;
+        check_picture(path, overwrite).map_err(of_picture_file)?;
     }
     let name = options.get::<String>("title", "a text")?;
     let title = name.as_deref().unwrap_or_else(|| title(&shading));
@@ -62,14 +60,8 @@ pub(crate) fn render<'py>(
         ));
     }
     if let Some(path) = &path {
-        let written = py.detach(|| {
-            write_file(path, overwrite, |file| {
-                let mut out = BufWriter::new(file);
-                write_image(&picture.image, &mut out)?;
-                out.flush()
-            })
-        });
-        written.map_err(|problem| of_file(problem.into()))?;
+        let written = py.detach(|| write_picture(path, overwrite, &|out| write_image(&picture.image, out)));
+        written.map_err(of_picture_file)?;
     }
     let answers = Answers::new(py);
     answers.put("image", bytes(&picture, plan.background))?;
@@ -78,14 +70,8 @@ pub(crate) fn render<'py>(
     Ok(answers.0)
 }
 
-/// Fails, before anything is drawn, where no picture could be put.
-fn check(path: &Path, overwrite: Overwrite) -> PyResult<()> {
-    match path.extension() {
-        Some(extension) if extension.eq_ignore_ascii_case("png") => {
-            check_file(path, overwrite).map_err(|problem| of_file(problem.into()))
-        }
-        _ => Err(wrong("path", JobError::NotPng(path.display().to_string()))),
-    }
+fn of_picture_file(problem: JobError) -> PyErr {
+    if let JobError::NotPng(_) = problem { wrong("path", problem) } else { of_file(problem) }
 }
 
 /// Red green blue, and alpha where the background is transparent.

@@ -101,7 +101,7 @@ impl<'q, const D: usize> Grouped<'q, D> {
         let state = || {
             let group = Group { rows: Vec::new(), positions: Vec::new(), invalid: Vec::new() };
             let evaluator = Evaluator::new(grid, definition, run.level(), wanted);
-            (evaluator.with_cancel(run.flag()), group)
+            (evaluator.with_run(*run), group)
         };
         let size = |i: usize| self.groups.range(i).len();
         run.for_each_group(self.groups.count(), size, state, |(evaluator, group), i| {

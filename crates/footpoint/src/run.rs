@@ -117,11 +117,6 @@ impl<'r> Run<'r> {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// The flag of [`Run::cancel`].
-    pub(crate) fn flag(&self) -> Option<&AtomicBool> {
-        self.cancel
-    }
-
     /// Fails once the run has been cancelled.
     pub(crate) fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }

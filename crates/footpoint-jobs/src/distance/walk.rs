@@ -216,10 +216,8 @@ fn tree<const D: usize>(
 ) -> Result<RTree<Place<D>>, Cancelled> {
     let (tell, told) = mpsc::channel();
     let theirs = feet();
-    let task = move || drop(tell.send(RTree::bulk_load(theirs)));
-    if thread::Builder::new().spawn(task).is_err() {
-        return Ok(RTree::bulk_load(feet()));
-    }
+    // Where no thread can be made the channel has lost its other end.
+    drop(thread::Builder::new().spawn(move || drop(tell.send(RTree::bulk_load(theirs)))));
     loop {
         match told.recv_timeout(TICK) {
             Ok(tree) => return Ok(tree),

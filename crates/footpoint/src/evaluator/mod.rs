@@ -17,12 +17,12 @@ pub(crate) use crate::engine::Position;
 use crate::engine::{Culled, Extent};
 use crate::grid::{Grid, Store};
 use crate::heights::Degrees;
+use crate::run::Run;
 pub(crate) use answers::{Answers, Extra, Local};
 pub(crate) use batch::Pass;
 use batch::{Announce, Batch, Task, taken_at};
 use fearless_simd::Level;
 pub(crate) use own::own_sensitivity;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub(crate) struct Evaluator<'s, const D: usize> {
     grid: &'s Grid<D>,
     task: Task,
     work: Work<D>,
-    cancel: Option<&'s AtomicBool>,
+    run: Run<'s>,
 }
 
 /// The scratch of one precision.
@@ -84,12 +84,12 @@ impl<'s, const D: usize> Evaluator<'s, D> {
             Store::Double(_) => Work::Double(Box::new(Batch::new())),
             Store::Single(_) => Work::Single(Box::new(Batch::new())),
         };
-        Self { grid, task, work, cancel: None }
+        Self { grid, task, work, run: Run::new() }
     }
 
-    /// The same, which answers *nowhere* at once when the flag is set: a block alone may take long where supports are wide.
-    pub(crate) fn with_cancel(self, cancel: Option<&'s AtomicBool>) -> Self {
-        Self { cancel, ..self }
+    /// The same, which answers *nowhere* once the run is cancelled: a block alone may take long where supports are wide.
+    pub(crate) fn with_run(self, run: Run<'s>) -> Self {
+        Self { run, ..self }
     }
 
     /// Evaluates positions, which the grid holds; `take` gets the place of each and its answers, and `announce` their places
@@ -100,9 +100,8 @@ impl<'s, const D: usize> Evaluator<'s, D> {
         announce: Announce<'_>,
         mut take: impl FnMut(usize, &Answers<D>, usize),
     ) {
-        let Self { grid, task, work, cancel } = self;
-        let is_cancelled = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        let how = (&**grid, &*task, announce, &is_cancelled as &dyn Fn() -> bool);
+        let Self { grid, task, work, run } = self;
+        let how = (&**grid, &*task, announce, &*run);
         match work {
             Work::Double(batch) => evaluate(how, batch, (0, positions), &mut take),
             Work::Single(batch) => evaluate(how, batch, (0, positions), &mut take),
@@ -112,12 +111,12 @@ impl<'s, const D: usize> Evaluator<'s, D> {
 
 /// Gathers candidates for the positions unless that has been done; positions too far apart for that are halved first.
 fn evaluate<N: Culled, const D: usize>(
-    how: (&Grid<D>, &Task, Announce<'_>, &dyn Fn() -> bool),
+    how: (&Grid<D>, &Task, Announce<'_>, &Run<'_>),
     batch: &mut Batch<N, D>,
     (first, positions): (usize, &[Position<D>]),
     take: &mut impl FnMut(usize, &Answers<D>, usize),
 ) {
-    let (grid, task, announce, is_cancelled) = how;
+    let (grid, task, announce, run) = how;
     let extent = Extent::around(positions.iter().map(|position| taken_at::<N, D>(position).0));
     if !batch.candidates.covers(&extent) {
         let side = grid.typical_side();
@@ -138,7 +137,7 @@ fn evaluate<N: Culled, const D: usize>(
     }
     let mut taken = 0;
     while taken < positions.len() {
-        if is_cancelled() {
+        if run.is_cancelled() {
             return (taken..positions.len()).for_each(|place| take(first + place, &Answers::NOWHERE, 0));
         }
         let first = first + taken;

@@ -9,10 +9,10 @@ use crate::algebra::{
 use crate::definition::Kind;
 use crate::eigen::{Eigen, eigen};
 use crate::least_squares::least_squares;
+use crate::run::Run;
 use crate::status::Status;
 use crate::surface::{Sign, Surface};
 use crate::weight::{Kernel, with_kernel};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Steps of the search for the minimum, in supports.
 const STEP: f64 = 0.1;
@@ -81,11 +81,11 @@ impl<const D: usize> Sums<D> {
     }
 }
 
-/// Projects one point, unless the flag is set meanwhile. `observe` sees the plane and −G/S at every t that was tried.
+/// Projects one point, unless the run is cancelled meanwhile. `observe` sees the plane and −G/S at every t that was tried.
 pub(super) fn project<const D: usize>(
     surface: &Surface<D>,
     x: [f64; D],
-    (how, degree, cancel): (&Project, Option<u8>, Option<&AtomicBool>),
+    (how, degree, run): (&Project, Option<u8>, &Run<'_>),
     observe: impl FnMut([f64; D], f64),
 ) -> (Status, Landing<D>) {
     with_kernel!(surface.definition.weight(), kernel => {
@@ -93,7 +93,7 @@ pub(super) fn project<const D: usize>(
             surface,
             kernel,
             how,
-            cancel,
+            run,
             neighbours: Vec::new(),
             evaluations: 0,
             residual: f64::NAN,
@@ -108,7 +108,7 @@ struct Search<'s, K, O, const D: usize> {
     surface: &'s Surface<D>,
     kernel: K,
     how: &'s Project,
-    cancel: Option<&'s AtomicBool>,
+    run: &'s Run<'s>,
     neighbours: Vec<Neighbour<D>>,
     evaluations: u32,
     residual: f64,
@@ -186,8 +186,7 @@ impl<K: Kernel, O: FnMut([f64; D], f64), const D: usize> Search<'_, K, O, D> {
 
     /// The sums at x + t n; *outside* where the domain ends.
     fn sums(&mut self, normal: [f64; D], t: f64) -> Result<Sums<D>, Status> {
-        let is_cancelled = self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        if is_cancelled || self.evaluations >= self.how.most_evaluations {
+        if self.run.is_cancelled() || self.evaluations >= self.how.most_evaluations {
             return Err(Status::NotConverged);
         }
         self.evaluations += 1;

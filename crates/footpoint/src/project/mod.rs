@@ -166,7 +166,7 @@ impl<const D: usize> Surface<D> {
                 trace.iterates.push(scale(add(start.anchor, way), self.grid.unit));
                 trace.values.push(value * self.grid.unit);
             };
-            trace.status = levin::project(self, start.anchor, (how, degree, None), observe).0;
+            trace.status = levin::project(self, start.anchor, (how, degree, &Run::new()), observe).0;
             return trace;
         }
         let wanted = Wanted { moving: true, gradient: true, ..Wanted::default() };
@@ -226,7 +226,7 @@ impl<const D: usize> Running<'_, D> {
                         if self.run.is_cancelled() {
                             break;
                         }
-                        let how = (how, degree, self.run.flag());
+                        let how = (how, degree, self.run);
                         put(row as usize, levin::project(surface, at.anchor, how, |_, _| {}));
                     }
                 } else {
