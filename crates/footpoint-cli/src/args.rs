@@ -98,9 +98,9 @@ pub(crate) enum Verb {
         after_help = "Examples:\n  footpoint project scan.ply -o smooth.ply\n  footpoint project points.csv --onto scan.ply -o feet.csv --noise auto\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
     )]
     Project(ProjectArguments),
-    /// Tell how far points lie from the surface of a cloud: foot points, distances, their errors and distribution
+    /// Tell how far a cloud, or points, lie from another's surface, and what of it is significant
     #[command(
-        after_help = "Examples:\n  footpoint distance new.ply --to old.ply -o off.ply\n  footpoint distance new.ply --to old.ply -o off.ply --noise auto --registration 0.002 --colours\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
+        after_help = "Examples:\n  footpoint distance new.ply --to old.ply -o off.ply\n  footpoint distance new.ply --to old.ply -o off.ply --registration 0.002 --colours\n  footpoint distance points.csv --to cloud.ply -o off.csv --compare points --noise auto\nMore options: --help; weights, fields and supports in plain words: footpoint help definition"
     )]
     Distance(DistanceArguments),
     /// Draw the figures of the paper: the surface as f = 0, its normals, the steps of projections
@@ -410,22 +410,29 @@ fn which(text: &str) -> Result<Which, String> {
 enum QueryNoise {
     Uniform(f64),
     Column(String),
+    Estimated,
 }
 
 impl FromStr for QueryNoise {
     type Err = Infallible;
 
     fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(text.parse().map_or_else(|_| Self::Column(text.to_owned()), Self::Uniform))
+        Ok(match text.parse() {
+            Ok(sigma) => Self::Uniform(sigma),
+            Err(_) if text == "auto" => Self::Estimated,
+            Err(_) => Self::Column(text.to_owned()),
+        })
     }
 }
 
 impl QueryNoise {
     /// In place of what was replayed.
     fn adjust(&self, recipe: &mut Recipe) {
+        recipe.query_noise_estimated = *self == Self::Estimated;
         (recipe.query_noise, recipe.query_noise_column) = match self {
             Self::Uniform(sigma) => (Some(*sigma), None),
             Self::Column(name) => (None, Some(name.clone())),
+            Self::Estimated => (None, None),
         };
     }
 }

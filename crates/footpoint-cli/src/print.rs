@@ -125,7 +125,7 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
         writeln!(out, "; {:.1} evaluations a point", moved.mean_evaluations)?;
     }
     if let Some(found) = &report.distance {
-        distance::describe(out, found)?;
+        distance::describe(out, report, found)?;
     }
     if let Some(found) = &report.orientation {
         writeln!(
@@ -168,7 +168,7 @@ fn describe(out: &mut String, report: &Report, verbosity: Verbosity) -> std::fmt
     }
     if report.dry_run {
         if !report.inputs.is_empty() {
-            writeln!(out, "would compute `{}`: {}", report.job, plan::surface(&report.recipe.definition))?;
+            writeln!(out, "would compute `{}`: {}", report.job, plan::surface(&report.recipe))?;
         }
         writeln!(out, "dry run: nothing was computed or written")?;
     }

@@ -21,7 +21,7 @@ fn folder() -> Folder {
     folder
 }
 
-const DISTANCE: &str = "distance q.csv --to cloud.csv --force -o";
+const DISTANCE: &str = "distance q.csv --to cloud.csv --compare points --force -o";
 
 #[test]
 fn every_column_is_kept_in_its_place() {
@@ -260,16 +260,36 @@ fn what_makes_no_sense_is_named() {
         ("distance q.csv --to cloud.csv -o o.csv --largest -1", "above 0"),
         ("distance q.csv --to cloud.csv -o o.csv --colours=0", "above 0"),
         ("distance q.csv --to cloud.csv -o o.csv --tolerance 0", "above 0"),
-        ("distance q.csv --to cloud.csv -o o.csv --registration 0.1", "needs the noise of the samples"),
-        ("distance q.csv --to cloud.csv -o o.csv --query-noise 0.1", "needs the noise of the samples"),
-        ("distance q.csv --to cloud.csv -o o.csv --noise 1 --registration -1", "finite and not negative"),
-        ("distance q.csv --to cloud.csv -o o.csv --noise 1 --registration nan", "finite and not negative"),
         (
-            "distance q.csv --to cloud.csv -o o.csv --noise 1 --query-noise nothing",
+            "distance q.csv --to cloud.csv -o o.csv --compare points --registration 0.1",
+            "needs the noise of the samples",
+        ),
+        (
+            "distance q.csv --to cloud.csv -o o.csv --compare points --query-noise 0.1",
+            "needs the noise of the samples",
+        ),
+        (
+            "distance q.csv --to cloud.csv -o o.csv --compare points --noise 1 --registration -1",
+            "finite and not negative",
+        ),
+        (
+            "distance q.csv --to cloud.csv -o o.csv --compare points --noise 1 --registration nan",
+            "finite and not negative",
+        ),
+        (
+            "distance q.csv --to cloud.csv -o o.csv --compare points --noise 1 --query-noise nothing",
             "no column of numbers named `nothing`",
         ),
-        ("distance q.csv --to cloud.csv -o o.csv --noise 1 --query-noise -1", "q.csv: noise of point 0"),
+        (
+            "distance q.csv --to cloud.csv -o o.csv --compare points --noise 1 --query-noise -1",
+            "q.csv: noise of point 0",
+        ),
         ("distance q.csv --to cloud.csv -o o.csv --operator basic", "--operator"),
+        ("distance q.csv --to cloud.csv -o o.csv --registration -1", "finite and not negative"),
+        ("distance q.csv --to cloud.csv -o o.csv --compare lines", "--compare"),
+        ("distance q.csv --to cloud.csv -o o.csv --noise 1", "belongs to --compare points"),
+        ("distance q.csv --to cloud.csv -o o.csv --query-noise auto", "belongs to --compare points"),
+        ("distance q.csv --to cloud.csv -o o.csv --degree auto", "belongs to --compare points"),
     ] {
         let ran = folder.run(words);
         assert_eq!(ran.code, 2, "{words}: {}", ran.stderr);

@@ -37,7 +37,7 @@ fn bun045_to_bun000() {
     place(&folder, &range, "bun000.ply", "000.csv");
     place(&folder, &range, "bun045.ply", "045.csv");
     let report = folder.report(
-        "distance 045.csv --to 000.csv -o d.csv --radius 0.0016 --field centred --weight poly3 --noise auto",
+        "distance 045.csv --to 000.csv --compare points -o d.csv --radius 0.0016 --field centred --weight poly3 --noise auto",
     );
     let found = &report["distance"];
     let median = found["median"].as_f64().unwrap();
@@ -54,7 +54,7 @@ fn bun045_to_bun000() {
     // The registration of these two is what the noise does not explain.
     assert!(found["share_beyond_two_sigma"].as_f64().unwrap() > 0.5);
     let registered = folder
-        .report("distance 045.csv --to 000.csv -o r.csv --radius 0.0016 --noise auto --registration 0.0001");
+        .report("distance 045.csv --to 000.csv --compare points -o r.csv --radius 0.0016 --noise auto --registration 0.0001");
     let beyond = registered["distance"]["share_beyond_two_sigma"].as_f64().unwrap();
     println!("beyond 2 sigma with 0.1 mm for the registration: {beyond}");
     assert!(beyond < 0.25, "{beyond}");

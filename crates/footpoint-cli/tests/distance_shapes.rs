@@ -50,7 +50,7 @@ fn inside_and_outside_of_a_sphere() {
     write_cloud(&folder, "cloud.csv", &sphere(RADIUS, 20_000, 5), [0.0; 3]);
     let (queries, offsets) = around();
     write_points(&folder, "q.csv", &queries);
-    let report = folder.report("distance q.csv --to cloud.csv -o d.csv");
+    let report = folder.report("distance q.csv --to cloud.csv --compare points -o d.csv");
     let h = report["surface"]["support"]["median"].as_f64().unwrap();
     assert_eq!(report["distance"]["signed"], true);
     // Two of nine in every direction, or one of them, lie within half a support.
@@ -70,7 +70,7 @@ fn inside_and_outside_of_a_sphere() {
     let mean = biases.iter().sum::<f64>() / biases.len() as f64;
     assert!((mean / bias - 1.0).abs() < 0.2, "{mean} for {bias}");
     // The surface of degree 3 has no such bias.
-    folder.done("distance q.csv --to cloud.csv -o three.csv --degree 3");
+    folder.done("distance q.csv --to cloud.csv --compare points -o three.csv --degree 3");
     for (distance, offset) in folder.csv("three.csv").numbers("distance").iter().zip(&offsets) {
         assert!((distance - offset).abs() < 1e-2 * bias, "{distance} for {offset}");
     }
@@ -82,13 +82,13 @@ fn without_normals_there_is_no_sign_and_the_bias_follows() {
     write_cloud(&folder, "cloud.csv", &sphere(RADIUS, 20_000, 5), [0.0; 3]);
     let (queries, offsets) = around();
     write_points(&folder, "q.csv", &queries);
-    folder.done("distance q.csv --to cloud.csv -o signed.csv");
-    let report = folder.report("distance q.csv --to cloud.csv -o d.csv --drop normals");
+    folder.done("distance q.csv --to cloud.csv --compare points -o signed.csv");
+    let report = folder.report("distance q.csv --to cloud.csv --compare points -o d.csv --drop normals");
     assert_eq!(report["distance"]["signed"], false);
-    let axes = folder.report("distance q.csv --to cloud.csv -o a.csv --field axes");
+    let axes = folder.report("distance q.csv --to cloud.csv --compare points -o a.csv --field axes");
     assert_eq!(axes["distance"]["signed"], false);
     assert!(folder.csv("a.csv").numbers("distance").iter().all(|d| *d >= 0.0));
-    let averaged = folder.report("distance q.csv --to cloud.csv -o b.csv --field averaged");
+    let averaged = folder.report("distance q.csv --to cloud.csv --compare points -o b.csv --field averaged");
     assert_eq!(averaged["distance"]["signed"], true);
     let (csv, signed) = (folder.csv("d.csv"), folder.csv("signed.csv"));
     check_feet(&csv, &queries, "unsigned");
@@ -118,7 +118,7 @@ fn far_from_a_torus() {
         .filter(|p| p[0].hypot(p[1]) > 0.2 && (to_torus(*p) + 0.4).abs() > 0.1)
         .collect();
     write_points(&folder, "q.csv", &queries);
-    folder.done("distance q.csv --to cloud.csv -o d.csv --degree 2");
+    folder.done("distance q.csv --to cloud.csv --compare points -o d.csv --degree 2");
     let csv = folder.csv("d.csv");
     check_feet(&csv, &queries, "torus");
     let (distances, status) = (csv.numbers("distance"), csv.words("status"));
@@ -141,7 +141,7 @@ fn far_from_a_noisy_torus() {
         .map(|d| d.map(|c| c * 10.0_f64.powf(0.2 + 1.8 * random.uniform())))
         .collect();
     write_points(&folder, "q.csv", &queries);
-    let report = folder.report("distance q.csv --to cloud.csv -o d.csv");
+    let report = folder.report("distance q.csv --to cloud.csv --compare points -o d.csv");
     // Half a spacing of noise at 16 effective neighbours: the surface has bumps and holes.
     assert!(report["distance"]["answered"].as_u64().unwrap() >= 396, "{}", report["statuses"]);
     let csv = folder.csv("d.csv");
@@ -175,7 +175,9 @@ fn repeats_and_the_order_of_the_cloud_change_nothing() {
     let queries: Vec<[f64; 3]> = directions(100).into_iter().map(|d| d.map(|c| 4.0 * c)).collect();
     write_points(&folder, "q.csv", &queries);
     for cloud in ["cloud", "twice", "reversed"] {
-        folder.done(&format!("distance q.csv --to {cloud}.csv -o to_{cloud}.csv --radius 0.2"));
+        folder.done(&format!(
+            "distance q.csv --to {cloud}.csv --compare points -o to_{cloud}.csv --radius 0.2"
+        ));
     }
     assert_eq!(folder.bytes("to_cloud.csv"), folder.bytes("to_reversed.csv"));
     let [once, again] = ["to_cloud.csv", "to_twice.csv"].map(|name| folder.csv(name).numbers("distance"));
@@ -195,7 +197,7 @@ fn above_below_and_beyond_the_rim_of_a_plane() {
     let inside = queries.len();
     queries.extend([[1.5, 0.0, 0.1], [9.0, 2.0, 30.0], [0.0, -1.3, 0.0]]);
     write_points(&folder, "q.csv", &queries);
-    folder.done("distance q.csv --to cloud.csv -o d.csv");
+    folder.done("distance q.csv --to cloud.csv --compare points -o d.csv");
     let csv = folder.csv("d.csv");
     let (status, feet) = (csv.words("status"), csv.vectors::<3>("foot"));
     for (i, query) in queries.iter().enumerate() {
@@ -228,8 +230,8 @@ fn at_survey_coordinates_too() {
     write_points(&folder, "q.csv", &queries);
     let moved: Vec<[f64; 3]> = queries.iter().map(|q| std::array::from_fn(|k| q[k] + shift[k])).collect();
     write_points(&folder, "r.csv", &moved);
-    folder.done("distance q.csv --to cloud.csv -o d.csv --noise 0.01 --tolerance 1e-10");
-    folder.done("distance r.csv --to moved.csv -o e.csv --noise 0.01 --tolerance 1e-10");
+    folder.done("distance q.csv --to cloud.csv --compare points -o d.csv --noise 0.01 --tolerance 1e-10");
+    folder.done("distance r.csv --to moved.csv --compare points -o e.csv --noise 0.01 --tolerance 1e-10");
     let (here, there) = (folder.csv("d.csv"), folder.csv("e.csv"));
     // Coordinates of 5e6 are multiples of 9.3e-10; far feet, which that moves a little, have another sigma there.
     for (column, bound) in [("distance", 5e-9), ("distance_sigma", 1e-7), ("distance_bias", 1e-7)] {
@@ -247,7 +249,7 @@ fn curves_have_distances_too() {
     let rows = circle.points.iter().zip(&circle.normals).map(|(p, n)| [*p, *n].concat());
     folder.write("cloud.csv", csv_of("x,y,nx,ny", rows));
     folder.write("q.csv", csv_of("x,y", [[0.0, 1.2], [-0.5, 0.0], [30.0, 40.0]].iter().map(|p| p.to_vec())));
-    folder.done("distance q.csv --to cloud.csv -o d.csv --degree 3");
+    folder.done("distance q.csv --to cloud.csv --compare points -o d.csv --degree 3");
     let distances = folder.csv("d.csv").numbers("distance");
     for (distance, truth) in distances.iter().zip([0.2, -0.5, 49.0]) {
         assert!((distance - truth).abs() < 2e-5, "{distance} for {truth}");
@@ -273,7 +275,9 @@ fn sigma_is_the_deviation_of_repeated_draws() {
         let noisy = sphere(1.0, 3000, 5).with_noise(noise, 100 + seed);
         let noisy = Samples { points: noisy.points, normals: clean.normals.clone() };
         write_cloud(&folder, "cloud.csv", &noisy, [0.0; 3]);
-        folder.done("distance q.csv --to cloud.csv -o d.csv --force --radius 0.2 --noise 0.004");
+        folder.done(
+            "distance q.csv --to cloud.csv --compare points -o d.csv --force --radius 0.2 --noise 0.004",
+        );
         let csv = folder.csv("d.csv");
         draws.push(csv.numbers("distance"));
         let sigma = csv.numbers("distance_sigma");

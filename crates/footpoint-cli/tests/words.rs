@@ -84,7 +84,10 @@ fn reports_in_words() {
         ("info", "info cloud.csv"),
         ("normals", "normals cloud.csv -o normals.csv --auto best"),
         ("project", "project points.csv --onto cloud.csv -o feet.csv --noise 0.01"),
-        ("distance", "distance points.csv --to cloud.csv -o off.csv --noise 0.01 --largest 1"),
+        (
+            "distance",
+            "distance points.csv --to cloud.csv --compare points -o off.csv --noise 0.01 --largest 1",
+        ),
         ("orient", "orient cloud.csv -o oriented.ply --drop normals"),
         ("evaluate", "evaluate cloud.csv --at points.csv -o f.csv --verbose"),
         ("dry-run", "normals cloud.csv -o other.csv --dry-run"),

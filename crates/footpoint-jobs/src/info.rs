@@ -160,7 +160,10 @@ fn reason<const D: usize>(context: &Context<'_>) -> String {
     let definition = context.definition();
     let wanted = |n: f64| {
         let k = (n / definition.weight().effective_share(D)).ceil();
-        format!("the {k:.0}th distinct neighbour, so that an even sampling has {n} effective neighbours")
+        format!(
+            "the {} distinct neighbour, so that an even sampling has {n} effective neighbours",
+            ordinal(k as u64)
+        )
     };
     match definition.support() {
         Support::Uniform(_) => "the radius given".to_owned(),
@@ -180,6 +183,18 @@ fn reason<const D: usize>(context: &Context<'_>) -> String {
     }
 }
 
+/// 1st, 2nd, 3rd, 4th, … 11th, …
+fn ordinal(number: u64) -> String {
+    let ending = match (number % 100, number % 10) {
+        (11..=13, _) => "th",
+        (_, 1) => "st",
+        (_, 2) => "nd",
+        (_, 3) => "rd",
+        _ => "th",
+    };
+    format!("{number}{ending}")
+}
+
 /// Points that equal one before them.
 fn repeats<const D: usize>(points: &[&[f64; D]]) -> usize {
     // Adding zero makes both zeros one.
@@ -187,4 +202,17 @@ fn repeats<const D: usize>(points: &[&[f64; D]]) -> usize {
     bits.sort_unstable();
     bits.dedup();
     points.len() - bits.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ordinals_are_written_as_they_are_read() {
+        let written = [1, 2, 3, 4, 11, 12, 13, 22, 37, 101, 111, 112].map(ordinal);
+        let wanted =
+            ["1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "22nd", "37th", "101st", "111th", "112th"];
+        assert_eq!(written, wanted);
+    }
 }

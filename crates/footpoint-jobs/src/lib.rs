@@ -30,19 +30,21 @@ pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
 pub use describe::{format_name, missing_points, notes, unit_name};
 pub use distance::{
-    Coloured, DistanceReport, DistanceSearch, Feet, Histogram, Quantile, check_distance, distance,
+    Changes, Coloured, DistanceReport, DistanceSearch, Feet, Histogram, Quantile, SupportShare,
+    SurfaceSearch, check_distance, distance,
 };
 pub use dry::Mode;
 pub use evaluate::{Extra, USUAL, evaluate};
 pub use figure::{FigurePlan, Which, figure};
 pub use info::{InfoReport, NormalsReport, info};
-pub use load::surface_of_cloud;
+pub use load::{estimated_noise, surface_of_cloud};
 pub use normals::{Bending, NormalChoice, normals};
 pub use orient::{OrientBy, OrientPlan, OrientationReport, orient};
 pub use project::project;
 pub use render::{RenderPlan, RenderReport, Show, check_picture, picture, render, title, write_picture};
 pub use report::{
-    InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport, recipe_of,
+    Compare, InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport,
+    recipe_of,
 };
 pub use stage::Stage;
 pub use triptych::triptych;
@@ -150,6 +152,11 @@ pub enum JobError {
         "{0} is part of sigma, which needs the noise of the samples: --noise SIGMA, --noise COLUMN or --noise auto"
     )]
     PartOfSigma(&'static str),
+    /// What serves the comparison of points alone.
+    #[error(
+        "{0} belongs to --compare points; surfaces are compared by the scatter of the samples around every point, on both sides"
+    )]
+    OnlyPoints(&'static str),
     /// A number that makes no sense.
     #[error("{what} is {value}: it must be {wanted}")]
     Number {

@@ -135,12 +135,44 @@ impl Loaded {
         }
     }
 
+    /// The cloud as the later of two, with those of the recipe's columns that it has: no noise, no normals.
+    pub(crate) fn later_cloud<const D: usize>(&self, recipe: &Recipe) -> Result<Cloud<D>, JobError> {
+        let has = |name: &String| self.input.table.column(name).is_some();
+        let cloud = Recipe {
+            support_column: recipe.support_column.clone().filter(has),
+            factor_column: recipe.factor_column.clone().filter(has),
+            ..Recipe::default()
+        };
+        self.cloud(&cloud)
+    }
+
+    /// Why these points, as the cloud, have no surface.
+    pub(crate) fn surface_error(&self, problem: Error) -> JobError {
+        match problem {
+            Error::Cancelled(_) => JobError::Cancelled,
+            _ if self.input.table.rows() == 0 => JobError::NoPoints(self.path.clone()),
+            problem => JobError::Surface { path: self.path.clone(), problem },
+        }
+    }
+
     /// The noise of these points as foreign queries, where the recipe gives them some.
     pub(crate) fn query_noise<const D: usize>(&self, recipe: &Recipe) -> Result<Option<Noise<D>>, JobError> {
         match (&recipe.query_noise_column, recipe.query_noise) {
             (Some(name), _) => self.noise(name).map(Some),
             (None, sigma) => Ok(sigma.map(Noise::Uniform)),
         }
+    }
+
+    /// The same where it is to be estimated, from the residuals of the points about their own surface.
+    pub(crate) fn estimated_query_noise<const D: usize>(
+        &self,
+        context: &Context<'_>,
+    ) -> Result<Option<f64>, JobError> {
+        if !context.recipe.query_noise_estimated {
+            return Ok(None);
+        }
+        let cloud = self.later_cloud::<D>(&context.recipe)?;
+        estimated_noise(cloud, &self.path, context).map(Some)
     }
 
     /// What is wrong with noise that belongs to this file.
@@ -245,6 +277,21 @@ pub fn surface_of_cloud<const D: usize>(
     report.surface = Some(SurfaceReport { degree_choice, ..SurfaceReport::of(&surface) });
     context.begin(Stage::Compute);
     Ok(surface)
+}
+
+/// The noise of a cloud along the normals of its own surface, by the context's definition.
+pub fn estimated_noise<const D: usize>(
+    cloud: Cloud<D>,
+    path: &str,
+    context: &Context<'_>,
+) -> Result<f64, JobError> {
+    let run = context.run.silent();
+    let built = Surface::build(cloud, context.definition(), &run);
+    let surface = built.map_err(|problem| match problem {
+        Error::Cancelled(_) => JobError::Cancelled,
+        problem => JobError::Surface { path: path.to_owned(), problem },
+    })?;
+    Ok(surface.with(&run).estimate_noise()?.sigma)
 }
 
 /// Fails where coordinates are angles: distances, supports and normals would mean nothing.

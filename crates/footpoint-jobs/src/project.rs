@@ -6,7 +6,7 @@ use crate::numbers::Sorted;
 use crate::output::{Naming, check_output, merge, put_table, set_counts, set_numbers, set_vectors};
 use crate::report::{MovedReport, Report};
 use crate::{Context, JobError};
-use footpoint::{Project, Projections, Queries, Uncertainty};
+use footpoint::{Noise, Project, Projections, Queries, Uncertainty};
 use footpoint_io::Table;
 use std::path::Path;
 
@@ -49,6 +49,8 @@ fn run<const D: usize>(
         return Ok(report);
     }
     let surface = cloud.surface::<D>(context, &mut report)?;
+    let estimate = timed(&mut report.times.compute, || points.estimated_query_noise::<D>(context))?;
+    let noise = estimate.map(Noise::Uniform).or(noise);
     let foreign = onto.is_some().then(|| points.points::<D>());
     let queries = foreign.as_deref().map_or(Queries::Samples, Queries::Points);
     let running = surface.with(&context.run);

@@ -7,7 +7,8 @@ use crate::info::InfoReport;
 use crate::orient::OrientationReport;
 use crate::render::RenderReport;
 use footpoint::{
-    Definition, DegreeAim, DegreeChoice, Noise, Project, Sign, Status, SupportChoice, SupportSummary, Surface,
+    Comparison, Definition, DegreeAim, DegreeChoice, Noise, Project, Sign, Status, SupportChoice,
+    SupportSummary, Surface,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -93,6 +94,12 @@ pub struct Recipe {
     /// Column of such noise, or of covariances as for [`NoiseSource::Column`]; it comes before `query_noise`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub query_noise_column: Option<String>,
+    /// Whether such noise is estimated from the residuals of the points about their own surface.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub query_noise_estimated: bool,
+    /// What `distance` compares; none is [`Compare::default`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compare: Option<Compare>,
     /// Error of the registration of the queries with the cloud, a standard deviation in the unit of the files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<f64>,
@@ -102,6 +109,32 @@ pub struct Recipe {
     /// Operator and tolerance of a projection.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub project: Option<Project>,
+}
+
+/// What `distance` compares.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Compare {
+    /// Points with the surface of a cloud.
+    Points,
+    /// The surface of the points with that of a cloud.
+    Surfaces {
+        /// Supports that are tried, by effective neighbours of the cloud; none for the definition's own.
+        effective_neighbours: Vec<f64>,
+    },
+}
+
+impl Default for Compare {
+    fn default() -> Self {
+        Self::Surfaces { effective_neighbours: Comparison::EFFECTIVE_NEIGHBOURS.to_vec() }
+    }
+}
+
+impl Recipe {
+    /// Whether `distance` compares points, and not surfaces.
+    pub fn compares_points(&self) -> bool {
+        self.compare == Some(Compare::Points)
+    }
 }
 
 /// Where the noise of the samples is from.

@@ -47,7 +47,7 @@ def main() -> None:
     earlier, later = scans or (simulated_ground(1, 0.0), simulated_ground(2, 0.05))
     upward = footpoint.orient(earlier, along=(0, 0, 1), auto=32).normal
     ground = footpoint.Surface(earlier, upward, auto=32, noise="auto")
-    found = footpoint.distance(later, ground, query_noise=ground.noise)
+    found = footpoint.distance(later, ground, compare="points", query_noise=ground.noise)
     off, sigma = found.distance[found.ok], np.asarray(found.sigma)[found.ok]
     print(f"{found.ok.sum()} distances from {off.min():.4f} to {off.max():.4f}, median {np.median(off):.4f}")
     print(f"sigma {np.median(sigma):.4f}; {100 * np.mean(np.abs(off) > 2 * sigma):.1f} % are beyond 2 sigma")

@@ -1,8 +1,10 @@
 //! Answers of the library as columns by name.
 
 use crate::arrays::Answers;
-use footpoint::{Curvatures, Evaluations, Hits, Orientation, Projections, Uncertainties, Verdict, Want};
-use footpoint_jobs::Feet;
+use footpoint::{
+    Comparison, Curvatures, Evaluations, Hits, Orientation, Projections, Uncertainties, Verdict, Want,
+};
+use footpoint_jobs::{Changes, Feet};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -98,6 +100,22 @@ pub(crate) fn of_feet<const D: usize>(
     answers.put_rows("surface_normal", feet.surface_normal)?;
     answers.put_status(feet.status)?;
     answers.0.set_item("walked", found.walked)?;
+    Ok(answers.0)
+}
+
+/// Distances between surfaces.
+pub(crate) fn of_changes<const D: usize>(py: Python<'_>, changes: Changes<D>) -> PyResult<Bound<'_, PyDict>> {
+    let answers = Answers::new(py);
+    let significant = (0..changes.found.status.len()).map(|row| changes.is_significant(row)).collect();
+    let level = changes.found.sigma.iter().map(|sigma| Comparison::LEVEL * sigma).collect();
+    answers.put_rows("foot", changes.found.foot)?;
+    answers.put("distance", changes.found.distance)?;
+    answers.put("sigma", changes.found.sigma)?;
+    answers.put::<f64>("level_of_detection", level)?;
+    answers.put::<bool>("significant", significant)?;
+    answers.put_rows("surface_normal", changes.found.surface_normal)?;
+    answers.put_status(changes.found.status)?;
+    answers.0.set_item("walked", changes.walked)?;
     Ok(answers.0)
 }
 

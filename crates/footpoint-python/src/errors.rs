@@ -1,6 +1,8 @@
 //! Errors of the library as Python's exceptions, with the names of the arguments.
 
-use footpoint::{CloudError, DefinitionError, Error, OrientError, SupportError, UncertaintyError};
+use footpoint::{
+    CloudError, CompareError, DefinitionError, Error, OrientError, SupportError, UncertaintyError,
+};
 use footpoint_io::{ReadProblem, WriteProblem};
 use footpoint_jobs::{JobError, Support};
 use footpoint_render::{CameraError, RenderError};
@@ -28,7 +30,24 @@ pub(crate) fn of_job(error: JobError, support: Support) -> PyErr {
             let argument = if what.contains("registration") { "registration" } else { "query_noise" };
             wrong(argument, "it is part of sigma, which needs the noise of the surface's samples: noise=")
         }
+        JobError::OnlyPoints(what) => {
+            let argument = if what.contains("queries") { "query_noise" } else { "noise" };
+            wrong(
+                argument,
+                "it belongs to compare=\"points\"; surfaces are compared by the scatter of the samples",
+            )
+        }
         other => of_file(other),
+    }
+}
+
+/// Why two clouds cannot be compared. `support` is the rule that was asked for.
+pub(crate) fn of_comparison(problem: &CompareError, support: Support) -> PyErr {
+    match problem {
+        CompareError::Earlier(problem) => of_surface(problem, support),
+        CompareError::Later(Error::Support(problem)) => wrong("points", problem),
+        CompareError::Later(problem) => of_surface(problem, support),
+        other => PyRuntimeError::new_err(other.to_string()),
     }
 }
 

@@ -1,16 +1,19 @@
 //! Surfaces in the plane and in space as one Python class.
 
-use crate::answers::{of_evaluations, of_feet, of_hits, of_orientation, of_projections};
+use crate::answers::{of_changes, of_evaluations, of_feet, of_hits, of_orientation, of_projections};
 use crate::arrays::{Doubles, matrices, numbers, rows};
-use crate::errors::{of_job, of_orient, of_uncertainty, wrong};
+use crate::errors::{of_comparison, of_job, of_orient, of_uncertainty, wrong};
 use crate::options::{self, Options};
 use crate::picture;
 use crate::work::How;
 use footpoint::{
-    Cloud, Noise, Operator, Orient, OrientError, Polyline, Queries, Ray, Run, Sign, Surface, Uncertainty,
-    UncertaintyError, Want,
+    Cloud, CompareError, Comparison, Noise, Operator, Orient, OrientError, Polyline, Project, Queries, Ray,
+    Run, Sign, Surface, Uncertainty, UncertaintyError, Want,
 };
-use footpoint_jobs::{Context, DistanceSearch, JobError, Recipe, Report, check_distance, surface_of_cloud};
+use footpoint_jobs::{
+    Compare, Context, DistanceSearch, JobError, Recipe, Report, SurfaceSearch, check_distance,
+    estimated_noise, surface_of_cloud,
+};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -138,6 +141,7 @@ impl AnySurface {
         let recipe = Recipe {
             largest_distance: options.number("largest")?,
             registration: options.number("registration")?,
+            compare: Some(Compare::Points),
             project: Some(options::project(&options)?),
             // Only whether there is some is looked at.
             query_noise: query_noise.is_some().then_some(0.0),
@@ -151,6 +155,49 @@ impl AnySurface {
             let found = how.run(py, usize::MAX, |run| search.feet(surface, points, run))?;
             of_feet(py, found.map_err(|problem| uncertainty_error(&problem))?, self.has_noise)
         })
+    }
+
+    /// The surface of the points against this one, however far.
+    fn compare<'py>(
+        &self,
+        py: Python<'py>,
+        points: Doubles<'py>,
+        normals: Option<Doubles<'py>>,
+        options: &Bound<'py, PyDict>,
+        how: How,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let options = Options(options);
+        let tolerance = options.number("tolerance")?.unwrap_or(Comparison::TOLERANCE);
+        let effective_neighbours =
+            options.get("effective_neighbours", "a list of numbers")?.unwrap_or_default();
+        let recipe = Recipe {
+            largest_distance: options.number("largest")?,
+            registration: options.number("registration")?,
+            project: Some(Project::new().with_tolerance(tolerance)),
+            compare: Some(Compare::Surfaces { effective_neighbours }),
+            ..Recipe::default()
+        };
+        of_either!(self, surface => {
+            let definition = *surface.definition();
+            check_distance(&recipe).map_err(|error| of_job(error, definition.support()))?;
+            let search = SurfaceSearch::of(&recipe);
+            let mut later = Cloud::new(rows(&points)?);
+            if let Some(normals) = &normals {
+                later = later.with_normals(rows(normals)?).map_err(|problem| wrong("points", problem))?;
+            }
+            let found = how.run(py, usize::MAX, |run| {
+                search.changes((surface.cloud(), &later), definition, run)
+            })?;
+            of_changes(py, found.map_err(|problem| match problem {
+                CompareError::Cancelled(_) => interrupted(),
+                problem => of_comparison(&problem, definition.support()),
+            })?)
+        })
+    }
+
+    /// The noise of points along the normals of their own surface, by this one's definition.
+    fn noise_of(&self, py: Python<'_>, points: Doubles<'_>, how: How) -> PyResult<f64> {
+        of_either!(self, surface => noise_of(py, surface, &points, &how))
     }
 
     /// Where rays meet the surface.
@@ -340,6 +387,25 @@ fn index<const D: usize>(
         surface_of_cloud(cloud, "points", &context, &mut report)
     })?;
     made.map_err(|error| of_job(error, support))
+}
+
+/// The noise of points along the normals of their own surface, by the definition of another.
+fn noise_of<const D: usize>(
+    py: Python<'_>,
+    surface: &Surface<D>,
+    points: &Doubles<'_>,
+    how: &How,
+) -> PyResult<f64> {
+    let definition = *surface.definition();
+    let cloud = Cloud::new(rows::<D>(points)?);
+    let found = how.run_owned(py, move |run| {
+        let recipe = Recipe { definition, ..Recipe::default() };
+        estimated_noise(cloud, "points", &Context { recipe, run: *run, ..Context::default() })
+    })?;
+    found.map_err(|error| match error {
+        JobError::Cancelled => interrupted(),
+        error => of_job(error, definition.support()),
+    })
 }
 
 /// A polyline for Python.

@@ -175,11 +175,11 @@ def test_curves_in_the_plane(command: Command, folder: Path) -> None:
 
 def test_distance(command: Command, folder: Path) -> None:
     out = folder / "distances.ply"
-    words = ("--noise", "0.01", "--query-noise", "0.005", "--registration", "0.003", "--largest", "0.7", "--tolerance", "1e-7")
+    words = ("--compare", "points", "--noise", "0.01", "--query-noise", "0.005", "--registration", "0.003", "--largest", "0.7", "--tolerance", "1e-7")
     command("distance", folder / "far.ply", "--to", folder / "cloud.ply", "-o", out, *words)
     expected = footpoint.read(out)
     cloud, far = footpoint.read(folder / "cloud.ply"), footpoint.read(folder / "far.ply")
-    numbers: Any = {"query_noise": 0.005, "registration": 0.003, "largest": 0.7, "tolerance": 1e-7}
+    numbers: Any = {"compare": "points", "query_noise": 0.005, "registration": 0.003, "largest": 0.7, "tolerance": 1e-7}
     found = footpoint.distance(far, cloud, noise=0.01, **numbers)
     same(found.foot, stacked(expected, "foot_x", "foot_y", "foot_z"))
     same(found.surface_normal, stacked(expected, "foot_nx", "foot_ny", "foot_nz"))
@@ -191,6 +191,46 @@ def test_distance(command: Command, folder: Path) -> None:
     for name, other in (("query_noise", None), ("registration", None), ("largest", 0.69), ("tolerance", 1e-2)):
         changed = footpoint.distance(far, cloud, noise=0.01, **(numbers | {name: other}))
         assert changed.sigma.tobytes() != found.sigma.tobytes(), name
+
+
+def test_distance_between_surfaces(command: Command, folder: Path) -> None:
+    out, later, earlier = folder / "changes.ply", folder / "at.ply", folder / "cloud.ply"
+    calls: list[tuple[tuple[str, ...], dict[str, Any]]] = [
+        ((), {}),
+        (("--registration", "0.01", "--largest", "0.03"), {"registration": 0.01, "largest": 0.03}),
+        (("--auto", "40", "--tolerance", "1e-3"), {"auto": 40, "tolerance": 1e-3}),
+        (("--per-sample", "24", "--field", "covariance"), {"per_sample": 24, "field": "covariance"}),
+    ]
+    seen = set()
+    for words, options in calls:
+        command("distance", later, "--to", earlier, "-o", out, "--force", *words)
+        expected = footpoint.read(out)
+        found = footpoint.distance(footpoint.read(later), footpoint.read(earlier), **options)
+        same(found.foot, stacked(expected, "foot_x", "foot_y", "foot_z"))
+        same(found.surface_normal, stacked(expected, "foot_nx", "foot_ny", "foot_nz"))
+        same(found.distance, expected.columns["distance"])
+        same(found.sigma, expected.columns["distance_sigma"])
+        same(found.level_of_detection, expected.columns["level_of_detection"])
+        same(found.significant.astype(np.uint8), expected.columns["significant"])
+        same(found.status, expected.columns["status"])
+        assert not hasattr(found, "bias") and found.ok.sum() > 20
+        seen.add(found.sigma.tobytes())
+    assert len(seen) == len(calls)
+    both = footpoint.distance(footpoint.read(earlier), footpoint.read(earlier), field="averaged", registration=0.01)
+    assert both.ok.sum() > 2900 and not both.significant.any()
+    # A surface that is there has its own support.
+    surface = footpoint.Surface(footpoint.read(earlier), auto=40)
+    same(footpoint.distance(footpoint.read(later), surface, tolerance=1e-3).sigma,
+         footpoint.distance(footpoint.read(later), footpoint.read(earlier), auto=40, tolerance=1e-3).sigma)
+
+
+def test_noise_of_the_points_by_themselves(command: Command, folder: Path) -> None:
+    out, words = folder / "auto.ply", ("--compare", "points", "--noise", "0.01", "--query-noise", "auto")
+    command("distance", folder / "at.ply", "--to", folder / "cloud.ply", "-o", out, *words)
+    cloud, at = footpoint.read(folder / "cloud.ply"), footpoint.read(folder / "at.ply")
+    found = footpoint.distance(at, cloud, compare="points", noise=0.01, query_noise="auto")
+    same(found.sigma, footpoint.read(out).columns["distance_sigma"])
+    assert found.sigma.tobytes() != footpoint.distance(at, cloud, compare="points", noise=0.01).sigma.tobytes()
 
 
 def test_orient(command: Command, folder: Path) -> None:

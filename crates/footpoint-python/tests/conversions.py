@@ -117,7 +117,7 @@ def test_curves_in_the_plane(circle: Floats) -> None:
     assert np.abs(found.distance - 0.02).max() < 5e-3
     assert np.abs(surface.curvature(found.point).mean - 1).max() < 0.03
     assert surface.cast((0, 3), (0, -1)).ok
-    assert np.abs(footpoint.distance(3 * circle, surface).distance - 2).max() < 5e-3
+    assert np.abs(footpoint.distance(3 * circle, surface, compare="points").distance - 2).max() < 5e-3
 
 
 def test_a_curve_is_followed(circle: Floats) -> None:
@@ -193,7 +193,9 @@ def test_a_cloud_brings_its_normals(sphere: Floats) -> None:
     cloud = footpoint.Cloud(sphere, -sphere)
     assert np.array_equal(np.asarray(cloud), sphere)
     assert footpoint.Surface(cloud).signed and not footpoint.Surface(sphere).signed
-    inward, outward = footpoint.distance(2 * sphere[:5], cloud), footpoint.distance(2 * sphere[:5], sphere, noise=None)
+    inward, outward = (
+        footpoint.distance(2 * sphere[:5], to, compare="points") for to in (cloud, sphere)
+    )
     assert (inward.distance < 0).all() and (outward.distance > 0).all()
     turned = footpoint.Surface(cloud, sphere).evaluate(1.05 * sphere[:5], ["value"]).value
     assert (turned > 0).all()

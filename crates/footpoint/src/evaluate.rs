@@ -169,6 +169,7 @@ impl<const D: usize> Running<'_, D> {
             statistics: any(Want::NEIGHBOURS | Want::EFFECTIVE_NEIGHBOURS),
             eigenvalues: any(Want::EIGENVALUES),
             hessian: any(Want::HESSIAN | Want::CURVATURE),
+            scatter: false,
         };
         let own = if any(Want::SIGMA) { grouped.own_places() } else { Vec::new() };
         let status = Statuses::new(rows);

@@ -25,11 +25,11 @@ pub(crate) struct ProjectArguments {
     /// Last step and |f| allowed, in local supports [default: 1e-6]
     #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = positive)]
     tolerance: Option<f64>,
-    /// Noise of foreign points: one standard deviation in the unit of the file, or a column of them (or covariances, in
-    /// columns NAME_xx, NAME_xy …); with --noise
+    /// Noise of foreign points: one standard deviation in the unit of the file, a column of them (or covariances, in columns
+    /// NAME_xx, NAME_xy …), or `auto`: from their own residuals; with --noise
     #[arg(
         long,
-        value_name = "SIGMA|NAME",
+        value_name = "SIGMA|NAME|auto",
         requires = "noise",
         requires = "onto",
         allow_negative_numbers = true

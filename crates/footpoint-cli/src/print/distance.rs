@@ -1,20 +1,50 @@
 //! Distances in words, with their histogram in bars.
 
 use super::{count, short};
-use footpoint_jobs::{DistanceReport, Histogram};
+use footpoint_jobs::{DistanceReport, Histogram, Report};
 use std::fmt::{Result, Write};
 
 /// Characters of the longest bar.
 const WIDTH: f64 = 40.0;
 
-pub(super) fn describe(out: &mut String, found: &DistanceReport) -> Result {
+pub(super) fn describe(out: &mut String, report: &Report, found: &DistanceReport) -> Result {
+    let between = if found.level_of_detection.is_some() { " between the surfaces" } else { "" };
     let kind = if found.signed { "signed by the cloud's normals" } else { "without sign" };
-    writeln!(out, "distances, {kind}: {}", count(found.answered, "point"))?;
+    writeln!(out, "distances{between}, {kind}: {}", count(found.answered, "point"))?;
+    if let (false, Some(cloud)) = (found.signed, report.inputs.get(1)) {
+        let axis = if cloud.dimension == 2 { "0,1" } else { "0,0,1" };
+        writeln!(
+            out,
+            "  a sign needs normals: footpoint orient {} --along {axis}, then --to what it writes",
+            cloud.path
+        )?;
+    }
     if found.walked > 0 {
         writeln!(out, "  {} of them beyond the projection, reached along the surface", found.walked)?;
     }
+    if let Some(without @ 1..) = found.without_sigma {
+        writeln!(
+            out,
+            "  {} not ok, with a distance and no sigma: no surface of their own, or none of the cloud near it",
+            count(without, "more point")
+        )?;
+    }
     if found.answered == 0 {
+        if found.level_of_detection.is_some() {
+            writeln!(
+                out,
+                "  these points are too few to have a surface: --compare points takes them as they are"
+            )?;
+        }
         return Ok(());
+    }
+    if found.supports.len() > 1 {
+        let supports: Vec<String> = found
+            .supports
+            .iter()
+            .map(|s| format!("{} for {}", short(s.radius), count(s.points, "point")))
+            .collect();
+        writeln!(out, "  support of the least variance: {}", supports.join(", "))?;
     }
     let [mean, rms, deviation] = [found.mean, found.rms, found.standard_deviation].map(short);
     writeln!(out, "  mean {mean}, rms {rms}, standard deviation {deviation}")?;
@@ -26,7 +56,21 @@ pub(super) fn describe(out: &mut String, found: &DistanceReport) -> Result {
     let quantiles: Vec<String> =
         found.quantiles.iter().map(|q| format!("{} % {}", q.percent, short(q.value))).collect();
     writeln!(out, "  quantiles: {}", quantiles.join(", "))?;
-    writeln!(out, "  bias from curvature {} (mean; not taken off)", short(found.mean_bias))?;
+    if let Some(bias) = found.mean_bias {
+        writeln!(out, "  bias from curvature {} (mean; not taken off)", short(bias))?;
+    }
+    if let (Some(level), Some(significant)) = (found.level_of_detection, found.significant) {
+        let registration = match report.recipe.registration {
+            Some(sigma) => format!("registration {} included", short(sigma)),
+            None => "the registration not known: --registration SIGMA".to_owned(),
+        };
+        let share = 100.0 * significant as f64 / found.answered as f64;
+        writeln!(out, "  level of detection {} (median, 95 %; {registration})", short(level))?;
+        writeln!(out, "  {significant} significant ({share:.2} %; 5 % are where nothing has moved)")?;
+    }
+    if let Some(noise) = found.query_noise {
+        writeln!(out, "  noise of the points {}, estimated from their residuals", short(noise))?;
+    }
     if let (Some(sigma), Some(share)) = (found.median_sigma, found.share_beyond_two_sigma) {
         writeln!(out, "  sigma {} (median); {:.2} % beyond 2 sigma", short(sigma), 100.0 * share)?;
     }

@@ -1,9 +1,10 @@
 //! What a dry run would compute, in words.
 
-use footpoint_jobs::{Definition, Kind, Precision, Support, Weight};
+use footpoint_jobs::{Compare, Kind, Precision, Recipe, Support, Weight};
 
 /// The surface that a job would compute with; all of the recipe is in the report.
-pub(super) fn surface(definition: &Definition) -> String {
+pub(super) fn surface(recipe: &Recipe) -> String {
+    let definition = &recipe.definition;
     let kind = match definition.kind() {
         Kind::Levin => "Levin's surface".to_owned(),
         _ => format!("point set surface of {}, degree {}", definition.field(), definition.degree()),
@@ -12,7 +13,15 @@ pub(super) fn surface(definition: &Definition) -> String {
         Weight::Gaussian { cut } => format!("gaussian down to {cut:e}"),
         weight => format!("{weight:?}").to_lowercase(),
     };
+    let tried = match &recipe.compare {
+        Some(Compare::Surfaces { effective_neighbours }) => effective_neighbours.as_slice(),
+        _ => &[],
+    };
     let support = match definition.support() {
+        _ if !tried.is_empty() => {
+            let numbers: Vec<String> = tried.iter().map(f64::to_string).collect();
+            format!("the best of the supports for {} effective neighbours", numbers.join(", "))
+        }
         Support::Uniform(radius) => format!("support radius {radius}"),
         Support::FromSamples => "supports of the file".to_owned(),
         Support::Auto { effective_neighbours } => {
@@ -34,8 +43,11 @@ pub(super) fn surface(definition: &Definition) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::surface;
-    use footpoint_jobs::{Definition, Kind, NormalField, Precision, Support, Weight};
+    use footpoint_jobs::{Compare, Definition, Kind, NormalField, Precision, Recipe, Support, Weight};
+
+    fn surface(definition: &Definition) -> String {
+        super::surface(&Recipe { definition: *definition, ..Recipe::default() })
+    }
 
     #[test]
     fn every_part_is_named() {
@@ -57,5 +69,9 @@ mod tests {
              precision"
         );
         assert!(surface(&usual.with_kind(Kind::Levin)).starts_with("Levin's surface; "));
+        let compared = Recipe { compare: Some(Compare::default()), ..Recipe::default() };
+        assert!(
+            super::surface(&compared).contains("the best of the supports for 8, 16, 32 effective neighbours")
+        );
     }
 }

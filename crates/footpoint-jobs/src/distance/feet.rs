@@ -1,15 +1,13 @@
 //! The foot point of every query, however far it is, with what is known of the distance's errors.
 
-use super::walk::{distance, sub, walk};
+use super::walk::{Gait, beside, distance, walk};
 use crate::Recipe;
 use footpoint::{
     Noise, Operator, Project, Run, Status, Surface, Uncertainties, Uncertainty, UncertaintyError,
 };
 
 /// Beyond this distance, in the smallest support, another foot point may be nearer than the projection's (SPEC § 11).
-const SURE: f64 = 0.5;
-/// Where a walk ended, the projection looks from here, in supports, towards the query: the foot point is the same.
-const BESIDE: f64 = 0.1;
+pub(super) const SURE: f64 = 0.5;
 
 /// How to find foot points, however far.
 #[derive(Clone, Debug)]
@@ -91,23 +89,21 @@ impl<const D: usize> DistanceSearch<D> {
             return Ok(0);
         }
         let far: Vec<[f64; D]> = rows.iter().map(|&row| queries[row]).collect();
-        let ends = walk(surface, &far, (&self.project, self.largest), run)?;
+        let ends = walk(surface, &far, Gait::patient(self.project, self.largest), run)?;
         let mut arrived = Vec::new();
-        let mut beside = Vec::new();
+        let mut starts = Vec::new();
         for (&row, end) in rows.iter().zip(ends) {
             match end {
                 Ok(foot) => {
-                    let away = sub(queries[row], foot.point);
-                    let share = (BESIDE * foot.support / distance(queries[row], foot.point)).min(1.0);
                     arrived.push(row);
-                    beside.push(std::array::from_fn(|k| foot.point[k] + share * away[k]));
+                    starts.push(beside(&foot, queries[row]));
                 }
                 Err(status) if !found.feet.status[row].is_ok() => found.feet.status[row] = status,
                 Err(_) => {}
             }
         }
         let quiet = run.silent();
-        let there = surface.with(&quiet).uncertainty(&beside, &self.uncertainty(Some(&arrived)))?;
+        let there = surface.with(&quiet).uncertainty(&starts, &self.uncertainty(Some(&arrived)))?;
         let mut walked = 0;
         for (k, &row) in arrived.iter().enumerate() {
             let (old, new) = (&mut found.feet, &there.feet);

@@ -1,6 +1,8 @@
 //! What the report says of distances: their distribution, and how many are significant.
 
+use super::Changes;
 use crate::numbers::Sorted;
+use footpoint::Comparison;
 use serde::Serialize;
 
 /// Percentages at which quantiles are told.
@@ -36,19 +38,44 @@ pub struct DistanceReport {
     pub largest: f64,
     /// Quantiles at 1, 5, 25, 75, 95 and 99 %.
     pub quantiles: Vec<Quantile>,
-    /// Mean of what curvature makes of the distances.
-    pub mean_bias: f64,
+    /// Mean of what curvature makes of the distances of points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_bias: Option<f64>,
     /// Median standard deviation of a distance, where there is noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub median_sigma: Option<f64>,
     /// Share of the points whose distance is more than two standard deviations from 0, where there is noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_beyond_two_sigma: Option<f64>,
+    /// Median level of detection, 1.96 standard deviations, between surfaces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level_of_detection: Option<f64>,
+    /// Points whose distance is larger than their own level of detection, between surfaces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub significant: Option<usize>,
+    /// Points that are not *ok* and have a distance all the same, without sigma; no other number here knows them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub without_sigma: Option<usize>,
+    /// The radii that were compared, and for how many points each knew most.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub supports: Vec<SupportShare>,
+    /// Noise of the points, where it was estimated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub query_noise: Option<f64>,
     /// How many points have which distance.
     pub histogram: Histogram,
     /// The distances at the ends of the colours, where these were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colour_range: Option<[f64; 2]>,
+}
+
+/// One support among several.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SupportShare {
+    /// Its radius.
+    pub radius: f64,
+    /// Points that it answered for.
+    pub points: usize,
 }
 
 /// One quantile.
@@ -80,7 +107,8 @@ pub(super) struct Found<'f> {
     pub(super) distance: &'f [f64],
     /// None without noise.
     pub(super) sigma: Option<&'f [f64]>,
-    pub(super) bias: &'f [f64],
+    /// None between surfaces.
+    pub(super) bias: Option<&'f [f64]>,
 }
 
 impl DistanceReport {
@@ -107,11 +135,38 @@ impl DistanceReport {
                 .iter()
                 .map(|&percent| Quantile { percent, value: distances.quantile(f64::from(percent) / 100.0) })
                 .collect(),
-            mean_bias: Sorted::of(found.bias.iter().copied()).mean(|b| b),
+            mean_bias: found.bias.map(|bias| Sorted::of(bias.iter().copied()).mean(|b| b)),
             median_sigma: found.sigma.map(|sigma| Sorted::of(sigma.iter().copied()).quantile(0.5)),
             share_beyond_two_sigma: found.sigma.map(beyond),
+            level_of_detection: None,
+            significant: None,
+            without_sigma: None,
+            supports: Vec::new(),
+            query_noise: None,
             histogram: Histogram::of(&distances, signed),
             colour_range: None,
+        }
+    }
+
+    /// The same for distances between surfaces.
+    pub(super) fn of_changes<const D: usize>(changes: &Changes<D>, signed: bool) -> Self {
+        let found = &changes.found;
+        let ok = |row: usize| found.status[row].is_ok();
+        let rows = 0..found.status.len();
+        let distances: Vec<f64> =
+            rows.clone().map(|row| if ok(row) { found.distance[row] } else { f64::NAN }).collect();
+        let sigma = Sorted::of(found.sigma.iter().copied());
+        let mut radii: Vec<f64> = found.support.iter().copied().filter(|h| h.is_finite()).collect();
+        radii.sort_unstable_by(f64::total_cmp);
+        let supports =
+            radii.chunk_by(|a, b| a == b).map(|same| SupportShare { radius: same[0], points: same.len() });
+        let sum = Found { distance: &distances, sigma: Some(&found.sigma), bias: None };
+        Self {
+            level_of_detection: Some(Comparison::LEVEL * sigma.quantile(0.5)),
+            significant: Some(rows.clone().filter(|&row| changes.is_significant(row)).count()),
+            without_sigma: Some(rows.filter(|&row| !ok(row) && found.distance[row].is_finite()).count()),
+            supports: supports.collect(),
+            ..Self::of(&sum, signed, changes.walked)
         }
     }
 }
@@ -174,12 +229,12 @@ mod tests {
         let found = Found {
             distance: &[0.1, -0.3, f64::NAN, 0.0],
             sigma: Some(&[0.1, 0.1, f64::NAN, 0.1]),
-            bias: &[0.01, 0.02, f64::NAN, 0.03],
+            bias: Some(&[0.01, 0.02, f64::NAN, 0.03]),
         };
         let report = DistanceReport::of(&found, true, 0);
         assert_eq!((report.answered, report.share_beyond_two_sigma), (3, Some(1.0 / 3.0)));
         assert_eq!(report.median_sigma, Some(0.1));
-        assert!((report.mean + 0.2 / 3.0).abs() < 1e-15 && (report.mean_bias - 0.02).abs() < 1e-15);
+        assert!((report.mean + 0.2 / 3.0).abs() < 1e-15 && (report.mean_bias.unwrap() - 0.02).abs() < 1e-15);
         let variance = report.rms.powi(2) - report.mean.powi(2);
         assert!((report.standard_deviation.powi(2) - variance).abs() < 1e-15);
         assert_eq!(

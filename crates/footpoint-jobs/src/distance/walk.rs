@@ -23,10 +23,41 @@ const TICK: Duration = Duration::from_millis(20);
 const LONGEST: f64 = 0.25;
 /// Where not even such a step, in supports, ends on the surface, it has an end there.
 const SHORTEST: f64 = 1e-2;
-/// Evaluations for a step to come back to the surface: many where it does, few where it never will.
-const MOST_EVALUATIONS: u32 = 100;
-/// Steps a walk may take.
-const ROUNDS: usize = 200;
+
+/// How much is tried for a walk.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gait {
+    how: Project,
+    /// Where the nearest start is farther than this and a support the walk is not begun.
+    largest: f64,
+    from: From,
+    ranks: &'static [usize],
+    /// Evaluations for a step to come back to the surface: many where it does, few where it never will.
+    most_evaluations: u32,
+    /// Steps a walk may take.
+    rounds: usize,
+}
+
+/// Which samples' foot points walks start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum From {
+    /// Of all.
+    All,
+    /// Of those that are the first few to some query.
+    Nearest,
+}
+
+impl Gait {
+    /// All that helps to find the nearest foot point.
+    pub(super) fn patient(how: Project, largest: f64) -> Self {
+        Self { how, largest, from: From::All, ranks: &RANKS, most_evaluations: 100, rounds: 200 }
+    }
+
+    /// What few walks cost little by.
+    pub(super) fn brisk(how: Project, largest: f64) -> Self {
+        Self { how, largest, from: From::Nearest, ranks: &RANKS[..1], most_evaluations: 16, rounds: 40 }
+    }
+}
 
 /// Where a walk ended: a foot point, or why there is none.
 pub(super) type End<const D: usize> = Result<Foot<D>, Status>;
@@ -40,18 +71,29 @@ pub(super) struct Foot<const D: usize> {
     pub(super) support: f64,
 }
 
+/// Where a walk ended, the projection looks from here, in supports, towards the query: the foot point is the same.
+const BESIDE: f64 = 0.1;
+
+/// From where the projection finds a foot point that was walked to.
+pub(super) fn beside<const D: usize>(foot: &Foot<D>, query: [f64; D]) -> [f64; D] {
+    let away = sub(query, foot.point);
+    let share = (BESIDE * foot.support / distance(query, foot.point)).min(1.0);
+    std::array::from_fn(|k| foot.point[k] + share * away[k])
+}
+
 /// Walks to the foot point of each query from the nearest of the samples' own; *outside* where that is farther than `largest`
 /// and a support.
 pub(super) fn walk<const D: usize>(
     surface: &Surface<D>,
     queries: &[[f64; D]],
-    (how, largest): (&Project, f64),
+    gait: Gait,
     run: &Run<'_>,
 ) -> Result<Vec<End<D>>, Cancelled> {
-    let starts = Starts::of(surface, how, run)?;
-    let limit = largest + surface.support().largest;
+    let starts = Starts::of(surface, queries, gait, run)?;
+    let how = &gait.how;
+    let limit = gait.largest + surface.support().largest;
     let mut ends: Vec<End<D>> = vec![Err(Status::Outside); queries.len()];
-    for (attempt, rank) in RANKS.into_iter().enumerate() {
+    for (attempt, rank) in gait.ranks.iter().copied().enumerate() {
         let lost = |end: &End<D>| attempt == 0 || matches!(end, Err(status) if *status != Status::Outside);
         let rows: Vec<usize> = (0..queries.len()).filter(|&row| lost(&ends[row])).collect();
         let mut gone = 0;
@@ -59,7 +101,7 @@ pub(super) fn walk<const D: usize>(
             let points: Vec<[f64; D]> = part.iter().map(|&row| queries[row]).collect();
             let mut walkers = starts.walkers(surface, &points, (how, rank, limit), run)?;
             let arrived = |here| run.announce(Progress { done: gone + here, total: rows.len() });
-            iterate(surface, &mut walkers, how, (run, &arrived))?;
+            iterate(surface, &mut walkers, gait, (run, &arrived))?;
             for (walker, &row) in walkers.iter().zip(part) {
                 // The first reason stands.
                 if attempt == 0 || walker.end == Some(Status::Ok) {
@@ -76,12 +118,13 @@ pub(super) fn walk<const D: usize>(
 fn iterate<const D: usize>(
     surface: &Surface<D>,
     walkers: &mut [Walker<D>],
-    how: &Project,
+    gait: Gait,
     (run, arrived): (&Run<'_>, &dyn Fn(usize)),
 ) -> Result<(), Cancelled> {
     let quiet = run.silent();
-    let back = how.with_most_evaluations(MOST_EVALUATIONS);
-    for _ in 0..ROUNDS {
+    let how = &gait.how;
+    let back = how.with_most_evaluations(gait.most_evaluations);
+    for _ in 0..gait.rounds {
         let under_way: Vec<usize> = (0..walkers.len()).filter(|&i| walkers[i].end.is_none()).collect();
         arrived(walkers.len() - under_way.len());
         if under_way.is_empty() {
@@ -228,30 +271,67 @@ fn tree<const D: usize>(
     }
 }
 
+/// Rows of the points that are finite, in the order of their coordinates, so that answers depend on no other, and each once.
+fn ordered<const D: usize>(points: &[[f64; D]], mut rows: Vec<usize>) -> Vec<usize> {
+    rows.sort_unstable_by(|&a, &b| {
+        let mut axes = points[a].into_iter().zip(points[b]).map(|(a, b)| a.total_cmp(&b));
+        axes.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    });
+    rows.dedup_by(|a, b| points[*a] == points[*b]);
+    rows
+}
+
+/// Points and their rows in the tree's unit.
+fn places<const D: usize>(points: &[[f64; D]], unit: f64) -> Vec<Place<D>> {
+    let scaled = |(row, point): (usize, &[f64; D])| {
+        let point = point.map(|c| c / unit);
+        // The tree has no place for others.
+        point.iter().all(|c| c.is_finite()).then(|| GeomWithData::new(point, row))
+    };
+    points.iter().enumerate().filter_map(scaled).collect()
+}
+
+/// The samples that are of one of the usual ranks to some of the queries.
+fn nearest<const D: usize>(
+    samples: &[[f64; D]],
+    queries: &[[f64; D]],
+    unit: f64,
+    run: &Run<'_>,
+) -> Result<Vec<[f64; D]>, Cancelled> {
+    let samples: Vec<[f64; D]> =
+        ordered(samples, (0..samples.len()).collect()).into_iter().map(|row| samples[row]).collect();
+    let tree = tree(|| places(&samples, unit), run)?;
+    let last = RANKS[RANKS.len() - 1];
+    let found = run.map(queries.len(), |i| {
+        let at = queries[i].map(|c| c / unit);
+        let all = tree.nearest_neighbor_iter(&at).take(last + 1).enumerate();
+        all.filter(|(rank, _)| RANKS.contains(rank)).map(|(_, place)| place.data).collect::<Vec<_>>()
+    })?;
+    let mut rows: Vec<usize> = found.into_iter().flatten().collect();
+    rows.sort_unstable();
+    rows.dedup();
+    Ok(rows.into_iter().map(|row| samples[row]).collect())
+}
+
 impl<const D: usize> Starts<D> {
-    fn of(surface: &Surface<D>, how: &Project, run: &Run<'_>) -> Result<Self, Cancelled> {
-        let found = surface.with(run).project(Queries::Samples, how)?;
+    fn of(surface: &Surface<D>, queries: &[[f64; D]], gait: Gait, run: &Run<'_>) -> Result<Self, Cancelled> {
+        let unit = surface.support().median;
+        let found = match gait.from {
+            From::All => surface.with(run).project(Queries::Samples, &gait.how)?,
+            From::Nearest => {
+                let samples = nearest(surface.cloud().points(), queries, unit, run)?;
+                let how = gait.how.with_most_evaluations(gait.most_evaluations);
+                surface.with(&run.silent()).project(&samples, &how)?
+            }
+        };
         let ok = |row: &usize| found.status[*row].is_ok();
-        let mut rows: Vec<usize> = (0..found.status.len()).filter(ok).collect();
-        // In the order of their coordinates, so that answers depend on no other, and each once.
-        let point = |row: usize| found.point[row];
-        rows.sort_unstable_by(|&a, &b| {
-            let mut axes = point(a).into_iter().zip(point(b)).map(|(a, b)| a.total_cmp(&b));
-            axes.find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
-        });
-        rows.dedup_by(|a, b| point(*a) == point(*b));
+        let rows = ordered(&found.point, (0..found.status.len()).filter(ok).collect());
         if run.is_cancelled() {
             return Err(Cancelled);
         }
         let feet: Vec<[f64; D]> = rows.iter().map(|&row| found.point[row]).collect();
         let normals = rows.iter().map(|&row| found.surface_normal[row]).collect();
-        let unit = surface.support().median;
-        let scaled = |(row, foot): (usize, &[f64; D])| {
-            let foot = foot.map(|c| c / unit);
-            // The tree has no place for others.
-            foot.iter().all(|c| c.is_finite()).then(|| GeomWithData::new(foot, row))
-        };
-        let tree = tree(|| feet.iter().enumerate().filter_map(scaled).collect(), run)?;
+        let tree = tree(|| places(&feet, unit), run)?;
         Ok(Self { tree, feet, normals, unit })
     }
 
@@ -291,7 +371,7 @@ impl<const D: usize> Starts<D> {
     }
 }
 
-pub(super) fn sub<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
+fn sub<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 

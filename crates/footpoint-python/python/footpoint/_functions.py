@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy.typing as npt
 
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._surface import Column, SurfaceOptions
+
+
+# Arguments that say which support is wanted.
+SUPPORTS = ("radius", "auto", "per_sample", "supports")
 
 
 def surface_of(
@@ -166,32 +170,36 @@ def distance(
     points: npt.ArrayLike | Cloud,
     to: npt.ArrayLike | Cloud | Surface,
     *,
+    compare: Literal["surfaces", "points"] = "surfaces",
     largest: float | None = None,
     registration: float | None = None,
-    query_noise: npt.ArrayLike | None = None,
-    tolerance: float = 1e-6,
+    query_noise: npt.ArrayLike | Literal["auto"] | None = None,
+    tolerance: float | None = None,
     threads: int = 0,
     progress: Progress = None,
     **options: Unpack[SurfaceOptions],
 ) -> Distances:
-    """How far points lie from the surface of a cloud, however far that is.
+    """How far a cloud, or points, lie from the surface of another cloud, however far that is, and what of it is significant.
 
     Parameters
     ----------
     points : array (..., D) or Cloud
-        Points whose distances are wanted.
+        Points whose distances are wanted, such as the later of two scans.
     to : array (n, D), Cloud or Surface
         The cloud whose surface they are measured to; with normals, distances have a sign.
+    compare : {"surfaces", "points"}
+        The surface of the points, at the support given (or that of a Surface) or at the best of 8, 16 and 32 effective neighbours:
+        sigma comes from the scatter of the samples on both sides. Or the points themselves, however few: sigma needs noise=.
     largest : number, optional
         Points farther off than this length are OUTSIDE.
     registration : number, optional
         Error of the registration of the two clouds, a standard deviation: part of sigma.
-    query_noise : number, array (...,) or (..., D, D), optional
-        Noise of the points, for sigma.
-    tolerance : number
-        Last step and |f| allowed, in local supports.
+    query_noise : number, array (...,) or (..., D, D), or "auto", optional
+        Noise of the points, for sigma of compare="points"; "auto" estimates it from their own residuals.
+    tolerance : number, optional
+        Last step and |f| allowed, in local supports: 1e-4 between surfaces, where it is part of sigma, 1e-6 of points.
     **options
-        Keyword arguments of Surface for `to`; sigma needs noise=.
+        Keyword arguments of Surface for `to`; noise= is for compare="points".
 
     Returns
     -------
@@ -199,11 +207,33 @@ def distance(
     """
     if points is None or isinstance(points, Surface):
         raise TypeError(f"points: a {type(points).__name__}, but an array or a Cloud is wanted")
+    if compare not in ("surfaces", "points"):
+        raise ValueError(f'compare: "{compare}" is none of surfaces, points')
+    if compare == "surfaces":
+        for name, value in (("noise", options.get("noise")), ("query_noise", query_noise)):
+            if value is not None:
+                raise ValueError(f'{name}: it belongs to compare="points"; surfaces are compared by the scatter of the samples')
     surface = surface_of(to, None, options, (threads, progress))
     at, shape = surface._queries(points, "points")
     assert at is not None
+    numbers: dict[str, Any] = {"largest": largest, "registration": registration, "tolerance": tolerance}
+    # No points have no surface.
+    if compare == "surfaces" and len(at):
+        given = isinstance(to, Surface) or any(options.get(name) is not None for name in SUPPORTS)
+        numbers["effective_neighbours"] = [] if given else [8.0, 16.0, 32.0]
+        # Fields of averaged normals need them on both sides.
+        normals = points.normals if isinstance(points, Cloud) else None
+        own = None if normals is None else _arrays.like(normals, "points", at.shape)
+        with how(threads, progress, "comparing") as run:
+            return Distances(**shaped(surface._core.compare(at, own, numbers, run), shape))
+    if tolerance is None:
+        numbers["tolerance"] = 1e-6
+    if isinstance(query_noise, str):
+        if query_noise != "auto":
+            raise ValueError(f'query_noise: "{query_noise}", but a number, an array or "auto" is wanted')
+        with how(threads, None, "estimating") as run:
+            query_noise = surface._core.noise_of(at, run)
     noise = None if query_noise is None else surface._noise(query_noise, shape)
-    numbers = {"largest": largest, "registration": registration, "tolerance": tolerance}
     with how(threads, progress, "measuring") as run:
         found = surface._core.distance(at, noise, numbers, run)
     return Distances(**shaped(found, shape))

@@ -247,6 +247,9 @@ class Projections(AnswersWithStatus):
 class Distances(AnswersWithStatus):
     """Foot points, however far, and distances to them; NaN where the status is not OK.
 
+    Between surfaces a row that is not OK may have a foot and a distance all the same: without sigma, from the point itself where
+    it has no surface of its own.
+
     Attributes
     ----------
     status : array (n,) of uint8
@@ -256,11 +259,15 @@ class Distances(AnswersWithStatus):
     distance : array (n,)
         The distance, a length; negative behind a surface whose samples have normals (Surface.signed).
     bias : array (n,)
-        What the distance is too large by where the surface is curved, a length.
+        What the distance is too large by where the surface is curved, a length; of points.
     surface_normal : array (n, D)
         The exact unit normal at the foot point.
     sigma : array (n,)
-        Standard deviation of the distance, a length; of a surface with noise.
+        Standard deviation of the distance, a length; of points where the surface has noise.
+    level_of_detection : array (n,)
+        1.96 sigma, a length; between surfaces.
+    significant : array (n,) of bool
+        Whether the distance is larger than that; between surfaces. 5 % are where nothing has moved.
     walked : int
         How many points lay too far off for the projection, and were reached along the surface.
     """
@@ -272,15 +279,21 @@ class Distances(AnswersWithStatus):
         "bias",
         "surface_normal",
         "sigma",
+        "level_of_detection",
+        "significant",
         "walked",
     )
-    _absent = 'it needs the noise of the samples: noise='
+    _absent = (
+        'bias is of compare="points", and so is a sigma by noise=; level_of_detection and significant are of "surfaces"'
+    )
     status: Bytes
     foot: Floats
     distance: Floats
     bias: Floats
     surface_normal: Floats
     sigma: Floats
+    level_of_detection: Floats
+    significant: npt.NDArray[np.bool_]
     walked: int
 
 

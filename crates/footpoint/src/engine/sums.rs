@@ -77,7 +77,7 @@ pub(crate) struct FrameSums<L, const D: usize> {
     pub(crate) weight: L,
     /// m = Σ θ d.
     pub(crate) first: Vector<L, D>,
-    /// W = Σ θ d dᵀ; zero for the averaged fields.
+    /// W = Σ θ d dᵀ; zero for the averaged fields, unless asked for.
     pub(crate) second: Matrix<L, D>,
     /// Nv = Σ θ n_i; zero without normals.
     pub(crate) normals: Vector<L, D>,
@@ -176,27 +176,33 @@ pub(super) fn cut<T, const D: usize>(columns: &[Vec<T>; D], length: usize) -> [&
     each(|k| &columns[k][..length])
 }
 
+/// Whose second moments the first pass takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Moments {
+    /// Those that the field needs.
+    OfTheField,
+    /// Those of the positions whatever the field.
+    OfPositions,
+}
+
 /// Pass one over all candidates; their closeness is kept for the second.
 #[inline(always)]
 pub(crate) fn first_pass<L: Lane, K: Kernel, M: Mode, const D: usize>(
     kernel: K,
     list: List<'_, L::Number, D>,
     x: &Place<L, D>,
-    field: NormalField,
+    (field, moments): (NormalField, Moments),
     kept: &mut [L::Slot],
 ) -> FrameSums<L, D> {
     let axes = field == NormalField::AveragedAxes;
-    match field {
-        NormalField::Covariance | NormalField::CentredCovariance => {
-            sum::<L, K, M, D, true>(kernel, list, x, axes, kept)
-        }
-        NormalField::AveragedNormals | NormalField::AveragedAxes => {
-            sum::<L, K, M, D, false>(kernel, list, x, axes, kept)
-        }
+    if field.needs_normals() && moments == Moments::OfTheField {
+        sum::<L, K, M, D, false>(kernel, list, x, axes, kept)
+    } else {
+        sum::<L, K, M, D, true>(kernel, list, x, axes, kept)
     }
 }
 
-/// With second moments of positions or, if asked for, of normals.
+/// With second moments of positions and, if asked for, of normals.
 #[inline(always)]
 fn sum<L: Lane, K: Kernel, M: Mode, const D: usize, const MOMENTS: bool>(
     kernel: K,
@@ -246,7 +252,7 @@ fn sum<L: Lane, K: Kernel, M: Mode, const D: usize, const MOMENTS: bool>(
         if has_normals {
             let normal = each(|k| L::broadcast(token, columns.normals[k][j]));
             sums.normals = add_scaled(sums.normals, normal, theta);
-            if !MOMENTS && axes {
+            if axes {
                 add_outer_upper(&mut sums.axes, normal, theta);
             }
         }

@@ -46,6 +46,9 @@ pub(crate) struct Answers<const D: usize> {
     pub(super) hessian: [[[f64; LANES]; D]; D],
     /// n·Nv: zero where no normal of a sample decided the sign.
     pub(super) along: [f64; LANES],
+    /// s² of the samples about their plane, and from how many it comes: (Σw(1−H))²/Σw²(1−H)².
+    pub(super) scatter: [f64; LANES],
+    pub(super) freedom: [f64; LANES],
     /// Degree of the polynomial.
     pub(super) degree: [f64; LANES],
     /// The polynomials of higher degree: with the sensitivity.
@@ -72,6 +75,8 @@ impl<const D: usize> Answers<D> {
         turn: [[f64::NAN; LANES]; D],
         hessian: [[[f64::NAN; LANES]; D]; D],
         along: [0.0; LANES],
+        scatter: [f64::NAN; LANES],
+        freedom: [f64::NAN; LANES],
         degree: [0.0; LANES],
         heights: None,
     };
@@ -186,6 +191,8 @@ impl<const D: usize> Answers<D> {
             sensitivity: self.sensitivity[lane],
             variance: if self.value[lane].is_nan() { f64::NAN } else { self.variance[lane] },
             turn: at(&self.turn, lane),
+            scatter: self.scatter[lane],
+            freedom: self.freedom[lane],
             degree: self.degree[lane] as u8,
             heights: self.heights.as_ref().map(|heights| heights.map(|lanes| lanes[lane])),
         }
@@ -210,6 +217,9 @@ pub(crate) struct Extra<const D: usize> {
     pub(crate) variance: f64,
     /// g of the frame.
     pub(crate) turn: [f64; D],
+    /// s², and from how many samples it comes.
+    pub(crate) scatter: f64,
+    pub(crate) freedom: f64,
     /// Degree of the polynomial.
     pub(crate) degree: u8,
     /// The polynomial of higher degree.

@@ -4,14 +4,15 @@
 //! blocks overlap. A block has as many positions as the widest vector has lanes; narrower processors take it in parts.
 
 mod hessian;
+mod scatters;
 
 use super::answers::{Answers, LANES};
 use super::{heights, levin};
 use crate::algebra::{dot, each};
 use crate::definition::Kind;
 use crate::engine::{
-    Candidates, Culled, Extent, Frame, FrameSums, General, HeightSums, Heights, List, Mode, Moved, Place,
-    Plain, Position, Resting, Statistics, first_pass, second_pass, sensitivity, statistics,
+    Candidates, Culled, Extent, Frame, FrameSums, General, HeightSums, Heights, List, Mode, Moments, Moved,
+    Place, Plain, Position, Resting, Scatter, Statistics, first_pass, second_pass, sensitivity, statistics,
 };
 use crate::field::NormalField;
 use crate::frame::{Fit, LevinFit, fit, gradient, levin_gradient};
@@ -21,6 +22,7 @@ use crate::lane::{Lane, Number, vectorized};
 use crate::weight::{Kernel, Weight, with_kernel};
 use fearless_simd::Level;
 use hessian::{Turnings, hessians};
+use scatters::scatters;
 use std::any::Any;
 use std::ops::Range;
 
@@ -48,6 +50,7 @@ pub(super) struct Task {
     pub(super) statistics: bool,
     pub(super) eigenvalues: bool,
     pub(super) hessian: bool,
+    pub(super) scatter: bool,
 }
 
 /// Told of each block before either pass over its candidates: the time to call for the memory that its answers will go to.
@@ -66,9 +69,10 @@ impl Task {
         self.varied || self.hessian
     }
 
-    /// The field whose sums the first pass takes: polynomials need the second moments of every frame.
-    fn summed(&self) -> NormalField {
-        if self.degrees.asked > 0 { NormalField::CentredCovariance } else { self.field }
+    /// What the first pass sums: polynomials and planes need the positions' second moments whatever the frame does.
+    fn summed(&self) -> (NormalField, Moments) {
+        let plane = self.degrees.asked > 0 || self.scatter;
+        (self.field, if plane { Moments::OfPositions } else { Moments::OfTheField })
     }
 
     fn needs_statistics(&self) -> bool {
@@ -108,6 +112,7 @@ pub(super) struct Unit<N: Number, const D: usize> {
     pub(super) fit: Fit<N::Slot, D>,
     pub(super) second: [N::Slot; D],
     pub(super) sensitivity: [N::Slot; 2],
+    scatter: Scatter<N::Slot>,
 }
 
 impl<N: Number, const D: usize> Unit<N, D> {
@@ -124,7 +129,8 @@ impl<N: Number, const D: usize> Unit<N, D> {
         let frame = Frame { normal: vector, aside: vector, turn: vector };
         let fit = Fit { frame, gap: zero, eigenvalues: vector };
         let statistics = Statistics { squares: zero, neighbours: zero, inside: zero };
-        Self { block, lane, sums, statistics, fit, second: vector, sensitivity: [zero; 2] }
+        let scatter = Scatter { residuals: zero, freedom: zero, squares: zero };
+        Self { block, lane, sums, statistics, fit, second: vector, sensitivity: [zero; 2], scatter }
     }
 }
 
@@ -316,6 +322,9 @@ pub(super) fn end<N: Culled, const D: usize>(task: &Task, batch: &mut Batch<N, D
     if task.hessian {
         hessians::<N, D>(task, batch);
     }
+    if task.scatter {
+        scatters::<N, D>(task, batch);
+    }
     vectorized!(task.level, simd => answers::<N::Lanes<_>, N, D>(simd, task, batch));
 }
 
@@ -471,6 +480,11 @@ fn answers<L: Of<N>, N: Culled, const D: usize>(token: L::Token, task: &Task, ba
             for k in 0..D {
                 put(&mut out.turn[k], levin.map_or(frame.turn[k], |levin| levin.frame.turn[k]));
             }
+        }
+        if task.scatter {
+            let Scatter { residuals, freedom, squares } = unit.scatter.map(load);
+            put(&mut out.scatter, residuals / freedom);
+            put(&mut out.freedom, freedom * freedom / squares);
         }
         if let Some(heights) = heights {
             put(&mut out.degree, load(heights.degree));

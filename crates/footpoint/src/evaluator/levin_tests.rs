@@ -6,7 +6,7 @@ use crate::algebra::{dot, length, scale, sub};
 use crate::definition::{Definition, Kind};
 use crate::dual::Dual;
 use crate::engine::{
-    Candidates, General, List, Place, Position, first_pass, levin_second_pass, levin_sums, oracle,
+    Candidates, General, List, Moments, Place, Position, first_pass, levin_second_pass, levin_sums, oracle,
 };
 use crate::field::NormalField;
 use crate::frame::{fit, fit_levin, levin_gradient};
@@ -94,7 +94,7 @@ fn through<L: Lane<Token = (), Number = f64>, K: Kernel, const D: usize>(
     let mut kept = vec![empty; places.len()];
     let x = Place { anchor: x, offset: [x[0].like(0.0); D] };
     let field = NormalField::Covariance;
-    let sums = first_pass::<L, K, General, D>(kernel, list, &x, field, &mut kept);
+    let sums = first_pass::<L, K, General, D>(kernel, list, &x, (field, Moments::OfTheField), &mut kept);
     let fitted = fit(field, &sums);
     let levin = levin_sums(kernel, list, &x, fitted.frame.normal, &kept);
     let levin = fit_levin(&sums, &fitted, &levin);

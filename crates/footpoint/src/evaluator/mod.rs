@@ -37,6 +37,8 @@ pub(crate) struct Wanted {
     pub(crate) eigenvalues: bool,
     /// ∇²f.
     pub(crate) hessian: bool,
+    /// How the samples scatter about their plane.
+    pub(crate) scatter: bool,
 }
 
 /// How far positions may move before a group's candidates are gathered anew, and the longest side of the box that they are
@@ -79,6 +81,7 @@ impl<'s, const D: usize> Evaluator<'s, D> {
             statistics: wanted.statistics,
             eigenvalues: wanted.eigenvalues,
             hessian: wanted.hessian,
+            scatter: wanted.scatter,
         };
         let work = match grid.store {
             Store::Double(_) => Work::Double(Box::new(Batch::new())),

@@ -7,7 +7,7 @@ use crate::definition::Definition;
 use crate::dual::Dual;
 use crate::engine::oracle::{self, Sample};
 use crate::engine::{
-    Candidates, Extent, General, List, Mode, Place, Plain, Position, first_pass, second_pass,
+    Candidates, Extent, General, List, Mode, Moments, Place, Plain, Position, first_pass, second_pass,
 };
 use crate::field::NormalField;
 use crate::frame::{fit, gradient};
@@ -91,6 +91,7 @@ pub(super) const EVERYTHING: Wanted = Wanted {
     statistics: true,
     eigenvalues: true,
     hessian: true,
+    scatter: true,
 };
 
 pub(super) fn locals<const D: usize>(
@@ -189,7 +190,7 @@ fn through<L: Lane<Token = (), Number = f64>, M: Mode, K: Kernel, const D: usize
     let list = List { columns: &candidates.columns, places: &places };
     let mut kept = vec![empty; places.len()];
     let x = Place { anchor: x, offset: [x[0].like(0.0); D] };
-    let sums = first_pass::<L, K, M, D>(kernel, list, &x, field, &mut kept);
+    let sums = first_pass::<L, K, M, D>(kernel, list, &x, (field, Moments::OfTheField), &mut kept);
     let fitted = fit(field, &sums);
     let second = second_pass::<L, K, M, D>(kernel, list, &x, (field, &fitted.frame), &kept);
     Answer {

@@ -110,7 +110,8 @@ pub struct Projections<const D: usize> {
     pub residual: Vec<f64>,
     /// Evaluations of f spent; of the energy and its derivatives for Levin's operator.
     pub evaluations: Vec<u32>,
-    /// What became of the point.
+    /// What became of the point. A sample of the surface's own cloud whose foot point lies farther off than the sample's support
+    /// reaches is *outside*: it does not belong to the surface there.
     pub status: Vec<Status>,
 }
 
@@ -197,6 +198,16 @@ impl<const D: usize> Running<'_, D> {
         let mut found = Projections::default();
         let status = Statuses::new(rows);
         let wanted = Wanted { moving: true, gradient: true, ..Wanted::default() };
+        // What a sample finds farther off than its own support is a part of the surface that is not its own.
+        let are_samples = matches!(queries, Queries::Samples);
+        let varied = are_samples && !surface.grid.scales.is_empty();
+        let own = if varied { grouped.own_places() } else { Vec::new() };
+        let widest = if are_samples { surface.support().largest / surface.grid.unit } else { f64::INFINITY };
+        let farthest = |row: usize| {
+            let place = own.get(row).copied().flatten();
+            place.map_or(widest, |place| surface.grid.scales[place as usize])
+                * surface.definition.weight().reach()
+        };
         {
             let point = Numbers::rows(&mut found.point, rows, true);
             let surface_normal = Numbers::rows(&mut found.surface_normal, rows, true);
@@ -205,6 +216,8 @@ impl<const D: usize> Running<'_, D> {
             let residual = Numbers::values(&mut found.residual, rows, true);
             let evaluations = Counts::values(&mut found.evaluations, rows, true);
             let put = |row: usize, (verdict, landing): (Status, Landing<D>)| {
+                let strays = landing.distance.abs() > farthest(row);
+                let verdict = if verdict.is_ok() && strays { Status::Outside } else { verdict };
                 status.put(row, verdict);
                 evaluations.put(row, landing.evaluations);
                 residual.put(row, [landing.residual * surface.grid.unit]);

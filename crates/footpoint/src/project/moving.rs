@@ -32,6 +32,9 @@ impl Way {
     }
 }
 
+/// With fewer evaluations left none of these arrives.
+const FEWEST: u32 = 4;
+
 /// A mixed step may be this many times as long as the plain one: a leap may end at another zero.
 const LONGEST_MIXED: f64 = 2.0;
 
@@ -221,7 +224,7 @@ pub(super) fn project<const D: usize>(
     let left: Vec<usize> = (0..points.len())
         .filter(|&i| {
             let hopeless = points[i].is_first() && !points[i].local.status.is_ok();
-            !hopeless && left_over(&points[i]) > 0 && !points[i].verdict(surface).is_ok()
+            !hopeless && left_over(&points[i]) >= FEWEST && !points[i].verdict(surface).is_ok()
         })
         .collect();
     if left.is_empty() {

@@ -127,6 +127,8 @@ pub(crate) enum Radii {
 /// Distinct samples whose neighbours are counted for a uniform support; the median of so many is within 1 % of the
 /// median of all.
 const SELECTION: usize = 50_000;
+/// The median of so many is within 2 % of that of all.
+const SMALL_SELECTION: usize = 5_000;
 
 impl Radii {
     /// The radius of sample `i`, or `None` if that sample is absent.
@@ -189,6 +191,21 @@ pub(crate) fn choose<const D: usize>(
         }
     };
     Ok((radii, None))
+}
+
+/// The radii for so many effective neighbours each, as for [`Support::Auto`] but over fewer samples.
+pub(crate) fn radii_of<const D: usize>(
+    cloud: &Cloud<D>,
+    weight: Weight,
+    effective_neighbours: &[f64],
+    run: &Run<'_>,
+) -> Result<Vec<f64>, SupportError> {
+    let counts: Result<Vec<usize>, SupportError> =
+        effective_neighbours.iter().map(|&n| neighbour_count::<D>(weight, n)).collect();
+    let counts = counts?;
+    let distinct = Distinct::of(cloud)?;
+    let stride = distinct.len().div_ceil(SMALL_SELECTION);
+    counts.into_iter().map(|count| Ok(median(distinct.distances(count, stride, run)?))).collect()
 }
 
 /// Every sample's distance to the k-th distinct neighbour.

@@ -312,3 +312,37 @@ fn acceptance_of_the_degenerate_gap_has_its_own_status() {
     assert!(p.status.iter().all(|s| *s == Status::Degenerate));
     check_projections(&p, &columns.points[..50], "gap");
 }
+
+/// Ground with noise, and clutter above it.
+fn ground_under_clutter(seed: u64) -> Vec<[f64; 3]> {
+    let mut random = samples::Random::new(seed);
+    let mut aside = || 2.0 * random.uniform() - 1.0;
+    let flat: Vec<[f64; 2]> = (0..4500).map(|_| [aside(), aside()]).collect();
+    let height = |i: usize| if i < 3000 { 0.02 * random.normal() } else { random.uniform() };
+    let heights: Vec<f64> = (0..4500).map(height).collect();
+    flat.iter().zip(heights).map(|(&[x, y], z)| [x, y, z]).collect()
+}
+
+#[test]
+fn no_sample_is_taken_farther_than_its_support() {
+    let far = |feet: &Projections<3>| feet.distance.iter().filter(|d| d.abs() > 0.2).count();
+    let mut strayed = 0;
+    for seed in 0..8 {
+        let points = ground_under_clutter(seed);
+        let cloud = Cloud::new(points.clone());
+        let each = cloud.clone().with_supports(vec![0.2; points.len()]).unwrap();
+        let from_samples = Definition::new().with_support(Support::FromSamples);
+        for surface in [Surface::new(cloud, uniform(0.2)), Surface::new(each, from_samples)] {
+            let surface = surface.unwrap();
+            let [own, foreign] = [Queries::Samples, Queries::Points(&points)]
+                .map(|queries| surface.project(queries, &Project::default()));
+            assert_eq!(far(&own), 0);
+            strayed += far(&foreign);
+            let differ = (0..points.len()).filter(|&i| own.status[i] != foreign.status[i]);
+            for i in differ {
+                assert_eq!((own.status[i], own.point[i]), (Status::Outside, points[i]));
+            }
+        }
+    }
+    assert!(strayed > 0, "as points of their own some of them go farther");
+}
