@@ -3,22 +3,8 @@
 
 use crate::algebra::{Matrix, Vector, dot, each, scale, sub, tangential};
 use crate::eigen::{product, trace};
-use crate::engine::FrameSums;
+use crate::engine::{FrameSums, Regression};
 use crate::lane::{Lane, Number};
-
-/// Heights along n over a plane: residual and leverage of a sample at d with weight w are m·(d − u) and w
-/// (1/S + (d − u)ᵀ P (d − u)).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Regression<L, const D: usize> {
-    /// u, the weighted average.
-    pub(crate) centre: Vector<L, D>,
-    /// m = n − P M n: n itself where it is an eigenvector of the moments M about the average.
-    pub(crate) across: Vector<L, D>,
-    /// P, the inverse of M on the plane across n; NaN where the samples do not span that.
-    pub(crate) inverse: Matrix<L, D>,
-    /// 1/S.
-    pub(crate) inverse_weight: L,
-}
 
 /// Moments along some direction of the plane below this share of those along another, in units in the last
 /// place, are rounding.

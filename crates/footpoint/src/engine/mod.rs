@@ -13,7 +13,7 @@ pub(crate) use heights::{
     HeightSums, Heights, height_sums, height_weights, heights_second_pass, heights_sensitivity, heights_share,
 };
 pub(crate) use levin::{LevinSums, levin_second_pass, levin_sensitivity, levin_share, levin_sums};
-pub(crate) use scatter::{Scatter, scatter};
+pub(crate) use scatter::{Regression, Scatter, scatter};
 pub(crate) use sums::{
     Frame, FrameSums, General, List, Mode, Moments, Moved, Place, Plain, Position, Resting, Statistics,
     Weighted, first_pass, second_pass, sensitivity, sensitivity_to, statistics,

@@ -2,11 +2,24 @@
 //! itself.
 
 use super::sums::{General, List, Place, cut, to_sample};
-use crate::algebra::{dot, sub};
+use crate::algebra::{Matrix, Vector, dot, sub};
 use crate::eigen::product;
 use crate::lane::Lane;
-use crate::regression::Regression;
 use crate::weight::Kernel;
+
+/// Heights along n over a plane: residual and leverage of a sample at d with weight w are m·(d − u) and w
+/// (1/S + (d − u)ᵀ P (d − u)).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Regression<L, const D: usize> {
+    /// u, the weighted average.
+    pub(crate) centre: Vector<L, D>,
+    /// m = n − P M n: n itself where it is an eigenvector of the moments M about the average.
+    pub(crate) across: Vector<L, D>,
+    /// P, the inverse of M on the plane across n; NaN where the samples do not span that.
+    pub(crate) inverse: Matrix<L, D>,
+    /// 1/S.
+    pub(crate) inverse_weight: L,
+}
 
 /// Sums over the samples with weight w, residual e from the plane and leverage H, how much of its own height
 /// at the plane a sample decides.

@@ -2,9 +2,8 @@
 
 use super::{Batch, Of, Task, place, stored};
 use crate::algebra::each;
-use crate::engine::{Culled, scatter};
+use crate::engine::{Culled, Regression, scatter};
 use crate::lane::vectorized;
-use crate::regression::Regression;
 use crate::weight::{Kernel, with_kernel};
 
 pub(super) fn scatters<N: Culled, const D: usize>(task: &Task, batch: &mut Batch<N, D>) {
