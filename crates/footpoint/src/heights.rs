@@ -27,18 +27,21 @@ fn limit<N: Number>() -> f64 {
 }
 
 /// The inverse of A as Σ r rᵀ/d over rows r of the inverse of its lower triangular factor: A = L D Lᵀ.
-struct Factors<L> {
+pub(crate) struct Factors<L> {
     /// L⁻¹, a row for each unknown.
     rows: [[L; MONOMIALS]; MONOMIALS],
     /// 1/d; zero for unknowns of a degree that is not determined.
     inverse: [L; MONOMIALS],
     /// The highest degree that is determined.
-    degree: L,
+    pub(crate) degree: L,
 }
 
 /// Factors A of the moments, degree by degree: that of a lower degree is a part of it.
 #[inline(always)]
-fn factors<L: Lane, const D: usize, const M: usize>(plain: &[L; PRODUCTS], asked: usize) -> Factors<L> {
+pub(crate) fn factors<L: Lane, const D: usize, const M: usize>(
+    plain: &[L; PRODUCTS],
+    asked: usize,
+) -> Factors<L> {
     let table = const { &Table::new::<D>() };
     let (zero, one) = (plain[0].like(0.0), plain[0].like(1.0));
     let mut lower = [[zero; MONOMIALS]; MONOMIALS];
@@ -91,7 +94,7 @@ fn factors<L: Lane, const D: usize, const M: usize>(plain: &[L; PRODUCTS], asked
 impl<L: Lane> Factors<L> {
     /// A⁻¹ b.
     #[inline(always)]
-    fn solve<const D: usize, const M: usize>(&self, b: &[L]) -> [L; MONOMIALS] {
+    pub(crate) fn solve<const D: usize, const M: usize>(&self, b: &[L]) -> [L; MONOMIALS] {
         let mut solution = [self.degree.like(0.0); MONOMIALS];
         for k in 0..monomials::<D>(M) {
             let mut part = b[0] * self.rows[k][0];
@@ -108,7 +111,7 @@ impl<L: Lane> Factors<L> {
 
     /// A⁻¹ e₀.
     #[inline(always)]
-    fn first_column<const D: usize, const M: usize>(&self) -> [L; MONOMIALS] {
+    pub(crate) fn first_column<const D: usize, const M: usize>(&self) -> [L; MONOMIALS] {
         let mut column = [self.degree.like(0.0); MONOMIALS];
         for k in 0..monomials::<D>(M) {
             let part = self.rows[k][0] * self.inverse[k];

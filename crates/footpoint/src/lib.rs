@@ -28,6 +28,7 @@
 
 mod algebra;
 mod average;
+mod choose;
 mod cloud;
 mod columns;
 mod compare;
@@ -66,6 +67,7 @@ mod weight;
 #[cfg(feature = "serde")]
 mod written;
 
+pub use choose::{Aim, Choice};
 pub use cloud::{Cloud, CloudError};
 pub use compare::{CompareError, Compared, Comparison, Differences, Pair};
 pub use contour::{Contour, Contours, Polyline};

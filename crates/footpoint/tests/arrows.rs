@@ -15,7 +15,7 @@ const CRATES: [(&str, &[&str]); 6] = [
 ];
 
 /// The library's rooms, lowest first: each may use only those before it.
-const ROOMS: [&str; 36] = [
+const ROOMS: [&str; 39] = [
     "written",
     "lane",
     "dual",
@@ -39,6 +39,8 @@ const ROOMS: [&str; 36] = [
     "engine",
     "frame",
     "heights",
+    "choose",
+    "regression",
     "definition",
     "evaluator",
     "surface",
@@ -52,11 +54,12 @@ const ROOMS: [&str; 36] = [
     "degree",
     "uncertainty",
     "orient",
+    "compare",
 ];
 
 /// Questions see the surface and its evaluator, never the engine or the index.
-const QUESTIONS: [&str; 8] =
-    ["evaluate", "average", "project", "ray", "contour", "degree", "uncertainty", "orient"];
+const QUESTIONS: [&str; 9] =
+    ["evaluate", "average", "project", "ray", "contour", "degree", "uncertainty", "orient", "compare"];
 const INTERNALS: [&str; 2] = ["engine", "grid"];
 
 const LONGEST_FILE: usize = 600;

@@ -2,7 +2,7 @@
 
 mod least_error;
 mod local_fit;
-mod neighbours;
+pub(crate) mod neighbours;
 
 use crate::cloud::Cloud;
 use crate::run::{Cancelled, Run};

@@ -8,7 +8,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZero;
 
 /// The distinct points of the usable samples, in an order that depends on nothing else, with a tree over them.
-pub(super) struct Distinct<const D: usize> {
+pub(crate) struct Distinct<const D: usize> {
     /// Usable samples ordered by their coordinates, so that repeats stand together.
     order: Vec<u32>,
     /// Where each distinct point begins in `order`.
@@ -17,12 +17,12 @@ pub(super) struct Distinct<const D: usize> {
     points: Vec<[f64; D]>,
     /// A power of two that brings the extent near one: squares of tiny or huge distances stay in range, and the
     /// distances keep their bits.
-    pub(super) unit: f64,
+    pub(crate) unit: f64,
     tree: ImmutableKdTree<f64, D>,
 }
 
 impl<const D: usize> Distinct<D> {
-    pub(super) fn of(cloud: &Cloud<D>) -> Result<Self, SupportError> {
+    pub(crate) fn of(cloud: &Cloud<D>) -> Result<Self, SupportError> {
         let points = cloud.points();
         let mut order: Vec<u32> =
             (0..cloud.len()).filter(|&i| cloud.is_present(i)).map(|i| i as u32).collect();
@@ -55,35 +55,35 @@ impl<const D: usize> Distinct<D> {
         Ok(Self { order, begins, points, unit, tree })
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.points.len()
     }
 
     /// A distinct point, in `unit`s.
-    pub(super) fn point(&self, j: usize) -> [f64; D] {
+    pub(crate) fn point(&self, j: usize) -> [f64; D] {
         self.points[j]
     }
 
     /// The samples at each distinct point.
-    pub(super) fn groups(&self) -> impl Iterator<Item = &[u32]> {
+    pub(crate) fn groups(&self) -> impl Iterator<Item = &[u32]> {
         let ends = self.begins.iter().skip(1).copied().chain([self.order.len()]);
         self.begins.iter().zip(ends).map(|(&begin, end)| &self.order[begin..end])
     }
 
     /// Distance to the k-th distinct neighbour, for every `stride`-th distinct point, in the unit of the coordinates.
-    pub(super) fn distances(&self, k: usize, stride: usize, run: &Run<'_>) -> Result<Vec<f64>, Cancelled> {
+    pub(crate) fn distances(&self, k: usize, stride: usize, run: &Run<'_>) -> Result<Vec<f64>, Cancelled> {
         run.map(self.len().div_ceil(stride), |j| self.distance(self.points[j * stride], k) * self.unit)
     }
 
     /// Distance from a location to the k-th distinct point beyond the nearest, or to the last there is, in `unit`s.
-    pub(super) fn distance(&self, at: [f64; D], k: usize) -> f64 {
+    pub(crate) fn distance(&self, at: [f64; D], k: usize) -> f64 {
         let wanted = NonZero::new(k.min(self.len() - 1)).unwrap_or(NonZero::<usize>::MIN).saturating_add(1);
         let found = self.tree.query(&at).nearest_n::<SquaredEuclidean<f64>>(wanted).execute();
         found.last().map_or(f64::NAN, |item| item.distance.sqrt())
     }
 
     /// Calls `visit` with the number of every distinct point nearer than `radius` and its way from `at`, in `unit`s.
-    pub(super) fn within(&self, at: [f64; D], radius: f64, mut visit: impl FnMut(usize, [f64; D])) {
+    pub(crate) fn within(&self, at: [f64; D], radius: f64, mut visit: impl FnMut(usize, [f64; D])) {
         let query = self.tree.query(&at).within::<SquaredEuclidean<f64>>(radius * radius);
         query.unsorted().visit(|found| {
             let j = found.item as usize;
