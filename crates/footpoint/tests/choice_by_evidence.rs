@@ -15,7 +15,15 @@ fn of(choices: &[Choice], aim: Aim) -> Choice {
     *choices.iter().find(|choice| choice.aim == aim).unwrap()
 }
 
-/// A torus with noise of 0.3 spacings, and its true normals.
+/// The torus's normal at the foot of a point: noise moves points along the surface too, to places of other normals.
+fn true_normal(p: &[f64; 3]) -> [f64; 3] {
+    let aside = p[0].hypot(p[1]);
+    let way = [p[0] - p[0] / aside, p[1] - p[1] / aside, p[2]];
+    let length = way.iter().map(|c| c * c).sum::<f64>().sqrt();
+    way.map(|c| c / length)
+}
+
+/// A torus with noise of 0.3 spacings.
 fn noisy_torus() -> Samples<3> {
     let spacing = (4.0 * std::f64::consts::PI.powi(2) * 0.4 / COUNT as f64).sqrt();
     torus(1.0, 0.4, COUNT, 3).with_noise(0.3 * spacing, 5)
@@ -31,8 +39,7 @@ fn angle(cloud: &Samples<3>, radius: f64, degree: u8) -> f64 {
         let dot: f64 = (0..3).map(|k| a[k] * b[k]).sum();
         1.0 - (dot * dot).min(1.0)
     };
-    let truth = cloud.normals.iter().step_by(20);
-    let mut squares: Vec<f64> = found.iter().zip(truth).map(|(a, b)| sine(a, b)).collect();
+    let mut squares: Vec<f64> = found.iter().zip(&some).map(|(a, p)| sine(a, &true_normal(p))).collect();
     squares.sort_by(f64::total_cmp);
     squares.truncate(squares.len() * 7 / 10);
     (squares.iter().sum::<f64>() / squares.len() as f64 / 0.484).sqrt()
