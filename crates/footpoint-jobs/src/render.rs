@@ -5,9 +5,9 @@ use crate::load::Loaded;
 use crate::report::Report;
 use crate::{Context, JobError, Stage};
 use footpoint::{Run, Surface};
-use footpoint_io::{Data, Format, Overwrite, check_file, write_file};
+use footpoint_io::{Data, Overwrite, check_file, write_file};
 use footpoint_render::{
-    Background, Camera, Extent, Keep, Occlusion, Picture, Plan, Relief, Shading, View, Wish, linear,
+    Background, Camera, Extent, Keep, Occlusion, Picture, Plan, Relief, Shading, Wish, linear,
     render as draw, view_size, write_depth, write_image, write_mask, write_normals,
 };
 use serde::Serialize;
@@ -186,9 +186,8 @@ pub fn render(
         _ => title(&shading),
     };
     context.begin(Stage::Draw);
-    let seen = RenderPlan { wish: wish_for(&loaded, plan.wish), ..plan.clone() };
     let (camera, picture) = timed(&mut report.times.draw, || {
-        picture(&surface, &seen, (shading, title), &context.run).map_err(|error| loaded.render_error(error))
+        picture(&surface, plan, (shading, title), &context.run).map_err(|error| loaded.render_error(error))
     })?;
     if picture.hits == 0 {
         return Err(JobError::NothingHit(input.display().to_string()));
@@ -210,16 +209,6 @@ pub fn render(
     });
     write_all(&mut report, &picture, (output, plan), context)?;
     Ok(report)
-}
-
-/// The wish, with the view of a survey in place of the automatic one where the file is one: z is up in formats of surveyors and where a
-/// reference system is stated, and a roof seen from below is a pit.
-fn wish_for(loaded: &Loaded, wish: Wish) -> Wish {
-    let format = loaded.input.format;
-    let surveyed = matches!(format, Format::Las | Format::Laz | Format::Copc | Format::E57)
-        || loaded.input.table.frame.crs.is_some();
-    let automatic = wish.view == View::Auto && wish.up.is_none();
-    if surveyed && automatic { Wish { view: View::Survey, ..wish } } else { wish }
 }
 
 /// The camera and the picture: what [`render`] draws and writes, of a surface in memory. The plan's `show` and its files are not

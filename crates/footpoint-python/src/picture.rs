@@ -94,7 +94,6 @@ fn plan(options: &Options<'_, '_>) -> PyResult<RenderPlan> {
         ("top", View::Top),
         ("bottom", View::Bottom),
         ("iso", View::Iso),
-        ("survey", View::Survey),
     ];
     let parallel = options.choice("camera", &[("perspective", false), ("orthographic", true)])?;
     let wish = Wish {

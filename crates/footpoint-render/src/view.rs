@@ -8,8 +8,7 @@ use footpoint::Surface;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum View {
-    /// As `Survey` where the cloud is flat, else as `Iso`, unless more of the samples are seen from elsewhere:
-    /// [`Extent::automatic`].
+    /// As `Iso`, unless more of the samples are seen from elsewhere: [`Extent::automatic`].
     #[default]
     Auto,
     /// From the front.
@@ -26,8 +25,6 @@ pub enum View {
     Bottom,
     /// From the front, right and above, all three alike.
     Iso,
-    /// From above and the front: of a survey, whose y is north, roofs are roofs and north is up.
-    Survey,
 }
 
 /// What is wished of a camera; the rest is found.
@@ -80,10 +77,6 @@ const THICK: f64 = 0.05;
 const BETTER: f64 = 1.1;
 /// Facing a direction by more than this is no chance.
 const CLEARLY: f64 = 0.1;
-/// Height over the lesser width below which a cloud is a survey of ground, which nobody looks at from below.
-const FLAT: f64 = 0.25;
-/// How much more a survey is seen from above than from the front: at 55 degrees over the horizon.
-const STEEP: f64 = 1.43;
 /// Sine of the angle between up and the line of sight below which something else is up.
 const UPRIGHT: f64 = 0.2;
 
@@ -96,8 +89,6 @@ pub struct Extent {
     middle: Vector,
     /// Length of the diagonal of the bounds.
     size: f64,
-    /// Sides of the bounds.
-    widths: Vector,
 }
 
 impl Extent {
@@ -131,10 +122,8 @@ impl Extent {
                 high[k] = high[k].max(p[k]);
             }
         }
-        let widths = sub(high, low);
-        let size = length(widths).max(surface.support().median);
-        let middle = std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]);
-        Self { points, normals, middle, size, widths }
+        let size = length(sub(high, low)).max(surface.support().median);
+        Self { points, normals, middle: std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]), size }
     }
 
     /// Length of the diagonal of the bounds.
@@ -232,7 +221,6 @@ impl Extent {
             View::Top => up,
             View::Bottom => scale(up, -1.0),
             View::Iso => sum(right, front, up),
-            View::Survey => add_scaled(front, up, STEEP),
             View::Auto => self.automatic(up),
         }
     }
@@ -240,12 +228,8 @@ impl Extent {
     /// The automatic view: from the front, right and above, if at least 1/1.1 as many samples are seen from there as from any
     /// of the 26 directions to the sides, edges and corners of a cube that do not look up; else from the one with most. A thin sheet is seen as well
     /// from behind: of two opposite directions that show alike the one is taken that most normals face or, without
-    /// normals, that the sheet bulges toward, as what a scanner saw does. A cloud that is flat in the direction of z, which is up, is
-    /// ground: seen as [`View::Survey`], unless its normals say that it was seen from below.
+    /// normals, that the sheet bulges toward, as what a scanner saw does.
     pub fn automatic(&self, up: [f64; 3]) -> [f64; 3] {
-        if self.is_ground(up) {
-            return self.direction(View::Survey, up);
-        }
         let [right, front, up] = sides(up);
         let iso = sum(right, front, up);
         let mut best = (iso, BETTER * self.seen(iso));
@@ -267,13 +251,6 @@ impl Extent {
         let (way, seen) = (best.0, self.seen(best.0));
         let behind = scale(way, -1.0);
         if BETTER * self.seen(behind) >= seen && self.faces(behind) > CLEARLY { behind } else { way }
-    }
-
-    /// Whether the cloud is flat like a map, z is up, and no normals face down.
-    fn is_ground(&self, up: Vector) -> bool {
-        let flat = self.widths[2] < FLAT * self.widths[0].min(self.widths[1]);
-        let faces_down = !self.normals.is_empty() && self.faces(up) < -CLEARLY;
-        flat && up[2] > 0.9 * length(up) && !faces_down
     }
 
     /// How many samples are seen from a direction, in a coarse raster.

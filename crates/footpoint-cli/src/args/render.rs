@@ -111,7 +111,7 @@ enum ShadingName {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ViewName {
-    /// As survey where the file is one or the cloud is flat, else as iso, unless much more is seen from elsewhere
+    /// As iso, unless much more is seen from elsewhere
     Auto,
     /// From the front: -y where z is up
     Front,
@@ -122,8 +122,6 @@ enum ViewName {
     Bottom,
     /// From the front, right and above alike
     Iso,
-    /// From above and the front: where y is north, north is up
-    Survey,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -196,7 +194,6 @@ impl ViewName {
             Self::Top => View::Top,
             Self::Bottom => View::Bottom,
             Self::Iso => View::Iso,
-            Self::Survey => View::Survey,
         }
     }
 }

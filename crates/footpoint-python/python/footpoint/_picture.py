@@ -42,7 +42,7 @@ def render(
     samples: int = 4,
     background: str = "white",
     occlusion: int = 0,
-    view: Literal["auto", "front", "back", "left", "right", "top", "bottom", "iso", "survey"] | None = None,
+    view: Literal["auto", "front", "back", "left", "right", "top", "bottom", "iso"] | None = None,
     look_from: Vector | None = None,
     look_at: Vector | None = None,
     look_up: Vector | None = None,
