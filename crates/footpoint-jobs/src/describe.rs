@@ -20,7 +20,8 @@ pub fn format_name(format: Format) -> &'static str {
     }
 }
 
-/// What is known of where a cloud comes from: its format's name, if it has one, and whether a reference system is stated.
+/// What is known of where a cloud comes from: its format's name, if it has one, and whether a reference
+/// system is stated.
 pub fn origin_of(format: Option<&str>, has_reference_system: bool) -> Origin {
     match format {
         Some("las" | "laz" | "copc" | "e57" | "ptx") => Origin::SurveyFormat,

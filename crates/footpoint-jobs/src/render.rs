@@ -215,8 +215,8 @@ pub fn render(
     Ok(report)
 }
 
-/// From where, and the picture: what [`render`] draws and writes, of a surface in memory. The plan's `show` and its files are not
-/// looked at; the shading says what is shown, with a title for numbers.
+/// From where, and the picture: what [`render`] draws and writes, of a surface in memory. The plan's `show`
+/// and its files are not looked at; the shading says what is shown, with a title for numbers.
 pub fn picture(
     surface: &Surface<3>,
     plan: &RenderPlan,

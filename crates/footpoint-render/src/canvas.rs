@@ -4,7 +4,7 @@ use crate::camera::{Camera, CameraError, Projection};
 use crate::scale_bar;
 use crate::shading::Shading;
 use crate::upright::Upright;
-use crate::vector::{add_scaled, sub};
+use crate::vector::{Vector, add_scaled, length, sub};
 use crate::view::{Extent, Sight, Wish};
 
 /// How large a picture is.
@@ -12,8 +12,8 @@ use crate::view::{Extent, Sight, Wish};
 pub enum Canvas {
     /// Pixels in a row, and rows.
     Given([usize; 2]),
-    /// About so many pixels in the shape of what is seen, at most 2.5 times as wide as high or as high as wide; four wide to
-    /// three high where the eye's place is given.
+    /// About so many pixels in the shape of what is seen, at most 2.5 times as wide as high or as high as
+    /// wide; four wide to three high where the eye's place is given.
     Shaped(usize),
 }
 
@@ -32,6 +32,8 @@ pub struct Aim {
 const LONGEST: f64 = 2.5;
 /// Width over height where nothing says another.
 const USUAL: f64 = 4.0 / 3.0;
+/// In supports, how far a surface reaches beyond its samples as a rule.
+const BEYOND: f64 = 0.5;
 /// The shape depends on the distance, which depends on the shape: each round gets some tenfold nearer.
 const ROUNDS: usize = 4;
 
@@ -48,13 +50,23 @@ impl Extent {
             }
             Canvas::Shaped(pixels) => pixels as f64,
         };
-        let (wish, ratio) = if wish.from.is_some() { (*wish, USUAL) } else { self.shaped(wish, &sight)? };
+        let wider = self.grown();
+        let (wish, ratio) = if wish.from.is_some() { (*wish, USUAL) } else { wider.shaped(wish, &sight)? };
         let side = |length: f64| (length.round() as usize).max(1);
         let width = side((pixels * ratio).sqrt());
         let height = side(pixels / width as f64);
-        let camera = self.placed(&wish, &sight, width as f64 / height as f64)?;
+        let camera = wider.placed(&wish, &sight, width as f64 / height as f64)?;
         let rows = if shading.has_numbers() { scale_bar::rows_around([width, height]) } else { height };
         Ok(Aim { camera, size: [width, rows], upright })
+    }
+
+    /// As far as the surface may reach beyond the samples at its rim: a shaped canvas has no room to spare.
+    fn grown(&self) -> Self {
+        let outward = |p: &Vector| {
+            let away = sub(*p, self.middle);
+            add_scaled(*p, away, BEYOND * self.support / length(away).max(self.support))
+        };
+        Self { points: self.points.iter().map(outward).collect(), ..self.clone() }
     }
 
     /// The shape of what is seen, and the wish with its middle.
@@ -77,8 +89,8 @@ impl Extent {
         Ok((shaped, ratio))
     }
 
-    /// How far the cloud reaches to the left and right, down and up from the middle of the picture: lengths where the
-    /// camera looks at.
+    /// How far the cloud reaches to the left and right, down and up from the middle of the picture: lengths
+    /// where the camera looks at.
     fn reach(&self, camera: &Camera) -> [[f64; 2]; 2] {
         let axes = camera.axes();
         let [_, _, far] = axes.of(sub(camera.from, camera.at));

@@ -24,7 +24,8 @@ pub(crate) fn strip([width, rows]: [usize; 2]) -> usize {
     ((LINES * text_size([width, rows])).ceil() as usize).min(rows.saturating_sub(1) / 2)
 }
 
-/// Rows of a picture that leave so many to the surface. A strip is a share of the whole height, so they are sought.
+/// Rows of a picture that leave so many to the surface. A strip is a share of the whole height, so they are
+/// sought.
 pub(crate) fn rows_around([width, view]: [usize; 2]) -> usize {
     (view..2 * view + 100).find(|&all| all - strip([width, all]) >= view).unwrap_or(view)
 }

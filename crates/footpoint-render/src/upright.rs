@@ -73,8 +73,8 @@ const MINUS_Y: Vector = [0.0, -1.0, 0.0];
 const MAP: f64 = 10_000.0;
 /// Flat is what is less high than this share of its lesser side …
 const FLAT: f64 = 1.0 / 3.0;
-/// … with one height over each place: standard deviation within a cell as a share of the whole height. Two sheets, as a
-/// flat closed body has, give 0.35 or more.
+/// … with one height over each place: standard deviation within a cell as a share of the whole height. Two
+/// sheets, as a flat closed body has, give 0.35 or more.
 const ONE_HEIGHT: f64 = 0.3;
 /// Cells along each side of the raster of heights.
 const CELLS: usize = 32;
@@ -82,6 +82,9 @@ const CELLS: usize = 32;
 const FOOT: f64 = 0.04;
 /// … and covers at least this share of its plan.
 const STANDING: f64 = 0.1;
+/// What hangs is taken to have y downward, as cameras have, only where its upper end covers this share: many
+/// an object is cut off above.
+const HANGING: f64 = 0.4;
 /// An end must cover so many times the plan of another's to be preferred.
 const SURER: f64 = 2.0;
 /// Where more of the samples than this are seen from above it is a sheet, and its rim no foot.
@@ -136,7 +139,8 @@ impl Extent {
         (std::array::from_fn(|k| high[k] - low[k]), low)
     }
 
-    /// Whether the cloud is heights over a plane: much less high than wide, and with one height over each place.
+    /// Whether the cloud is heights over a plane: much less high than wide, and with one height over each
+    /// place.
     fn is_flat(&self, up: Vector) -> bool {
         let axes = sides(up);
         let (long, low) = self.lengths(&axes);
@@ -162,21 +166,22 @@ impl Extent {
         free == 0.0 || squares / free < (ONE_HEIGHT * long[2]).powi(2)
     }
 
-    /// The axis on whose lower end the cloud stands, as a vase does: the samples there spread wide, and the middle of all is
-    /// above them. z, unless it stands on an end of y far better.
+    /// The axis on whose lower end the cloud stands, as a vase does: the samples there spread wide, and the
+    /// middle of all is above them. z, unless it stands on an end of y far better.
     fn stands(&self) -> Option<Vector> {
         let mut best = (Z, self.foot(Z));
-        for axis in [Y, MINUS_Y] {
+        for (axis, least) in [(Y, STANDING), (MINUS_Y, HANGING)] {
             let foot = self.foot(axis);
             let is_sheet = || self.seen(axis) > SHEET * self.points.len() as f64;
-            if foot >= STANDING && foot > SURER * best.1 && !is_sheet() {
+            if foot >= least && foot > SURER * best.1 && !is_sheet() {
                 best = (axis, foot);
             }
         }
         (best.1 >= STANDING).then_some(best.0)
     }
 
-    /// Share of the plan that the foot covers, with what is between its parts; 0 where the middle of all is not above it.
+    /// Share of the plan that the foot covers, with what is between its parts; 0 where the middle of all is
+    /// not above it.
     fn foot(&self, up: Vector) -> f64 {
         let axes = sides(up);
         let (long, low) = self.lengths(&axes);

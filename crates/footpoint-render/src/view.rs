@@ -5,12 +5,13 @@ use crate::upright::{Origin, Upright};
 use crate::vector::{Vector, add_scaled, cross, dot, length, scale, sub, unit};
 use footpoint::Surface;
 
-/// From where to look. Right in the front view is +x; the front is the side of −y where z is up, as on drawings, and that of
-/// +z where y is. [`Extent::upright`] says which is.
+/// From where to look. Right in the front view is +x; the front is the side of −y where z is up, as on
+/// drawings, and that of +z where y is. [`Extent::upright`] says which is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum View {
-    /// As `Iso`, unless more of the samples are seen from elsewhere; a survey from above, the front at the lower edge.
+    /// As `Iso`, unless more of the samples are seen from elsewhere; a survey from above, the front at the
+    /// lower edge.
     #[default]
     Auto,
     /// From the front.
@@ -98,6 +99,8 @@ pub struct Extent {
     pub(crate) middle: Vector,
     /// Length of the diagonal of the bounds.
     pub(crate) size: f64,
+    /// The median of the supports.
+    pub(crate) support: f64,
 }
 
 /// A line of sight.
@@ -143,7 +146,13 @@ impl Extent {
             }
         }
         let size = length(sub(high, low)).max(surface.support().median);
-        Self { points, normals, middle: std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]), size }
+        Self {
+            points,
+            normals,
+            middle: std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]),
+            size,
+            support: surface.support().median,
+        }
     }
 
     /// Length of the diagonal of the bounds.
@@ -259,8 +268,8 @@ impl Extent {
         }
     }
 
-    /// Where a survey is seen from: as a map is, north up and east to the right, but tilted so that walls show; what is
-    /// high for its width from the side or corner that shows most, from above all the same.
+    /// Where a survey is seen from: as a map is, north up and east to the right, but tilted so that walls
+    /// show; what is high for its width from the side or corner that shows most, from above all the same.
     fn over_land(&self, axes: &[Vector; 3]) -> Vector {
         let ([wide, deep, high], _) = self.lengths(axes);
         if high < LOW * (wide * deep).sqrt() {
@@ -270,15 +279,16 @@ impl Extent {
         self.best(axes, |a, b, c| c > 0.0 && (a != 0.0 || b != 0.0))
     }
 
-    /// The direction that shows most where it is not known which axis is up: straight along z, too, is from the front of
-    /// what has y upward, and straight against z of what has y downward, as cameras have.
+    /// The direction that shows most where it is not known which axis is up: straight along z, too, is from
+    /// the front of what has y upward, and straight against z of what has y downward, as cameras have.
     pub(crate) fn most_seen(&self) -> Vector {
         let axes = sides([0.0, 0.0, 1.0]);
         self.toward_its_front(self.best(&axes, |a, b, c| c >= 0.0 || (a == 0.0 && b == 0.0)))
     }
 
-    /// From the front, right and above, if at least 1/1.1 as many samples are seen from there as from any of the allowed
-    /// ones of the 26 directions to the sides, edges and corners of a cube; else from the one with most.
+    /// From the front, right and above, if at least 1/1.1 as many samples are seen from there as from any of
+    /// the allowed ones of the 26 directions to the sides, edges and corners of a cube; else from the one
+    /// with most.
     fn best(&self, &[right, front, up]: &[Vector; 3], allowed: impl Fn(f64, f64, f64) -> bool) -> Vector {
         let iso = sum(right, front, up);
         let mut best = (iso, BETTER * self.seen(iso));
@@ -298,8 +308,8 @@ impl Extent {
         best.0
     }
 
-    /// A thin sheet is seen as well from behind: of two opposite directions that show alike the one that most normals face
-    /// or, without normals, that the sheet bulges toward, as what a scanner saw does.
+    /// A thin sheet is seen as well from behind: of two opposite directions that show alike the one that most
+    /// normals face or, without normals, that the sheet bulges toward, as what a scanner saw does.
     fn toward_its_front(&self, way: Vector) -> Vector {
         let behind = scale(way, -1.0);
         let is_behind = BETTER * self.seen(behind) >= self.seen(way) && self.faces(behind) > CLEARLY;

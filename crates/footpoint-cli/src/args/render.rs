@@ -27,8 +27,7 @@ pub(crate) struct RenderArguments {
     /// Give colours exactly as they are, in the file or in the scale bar, without light
     #[arg(long, hide_short_help = true)]
     flat: bool,
-    /// Pixels: width and height, or the width of a picture four wide to three high [default: 1600 times 1200 in the
-    /// shape of what is shown]
+    /// Pixels: width and height, or the width at 4:3 [default: two million in the shape of what is shown]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, help_heading = "Picture")]
     size: Option<[usize; 2]>,
     /// Rays a pixel: 1, 4, 9, 16, …
@@ -65,12 +64,21 @@ pub(crate) struct RenderArguments {
     /// What is in the middle of the picture [default: the middle of the cloud]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera", hide_short_help = true)]
     look_at: Option<[f64; 3]>,
-    /// What is up: x, y, z, -y, or a direction X,Y,Z [default: z for surveys, else found from the shape]
+    /// What is up: x, y, z, -y, or X,Y,Z [default: z for surveys, else by shape]
     ///
-    /// All views go by it. z is up in LAS, LAZ, COPC, E57 and PTX files, where a reference system is stated, where x and y are as
-    /// large as those of maps, and where the cloud is flat: such surveys are seen from above, y to the north. Else
-    /// it is z, y or -y, by which end the cloud stands on and from where most of it is seen. The report tells which, and why.
-    #[arg(long, visible_alias = "up", value_name = "AXIS", value_parser = upward, allow_hyphen_values = true, help_heading = "Camera")]
+    /// All views go by it. z is up in LAS, LAZ, COPC, E57 and PTX files, where a reference system is stated,
+    /// where x and y are as large as those of maps, and where the cloud is flat: such surveys are seen from
+    /// above, y to the north. Else it is z, y or -y, by which end the cloud stands on and from where most of
+    /// it is seen. The report tells which, and why.
+    #[arg(
+        long,
+        visible_alias = "up",
+        value_name = "AXIS",
+        value_parser = upward,
+        allow_hyphen_values = true,
+        help_heading = "Camera",
+        hide_short_help = true
+    )]
     look_up: Option<[f64; 3]>,
     /// Perspective, or parallel rays
     #[arg(long, value_enum, default_value = "perspective", help_heading = "Camera", hide_short_help = true)]

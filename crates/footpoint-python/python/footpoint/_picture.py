@@ -86,10 +86,10 @@ def render(
     occlusion : int
         Darkens hollows: so many rays from every point that is seen; 16 is smooth with 4 samples.
     view, look_from, look_at, look_up
-        From where to look: a name, or the eye's place; what is in the middle, and what is up: an axis by name, or a direction.
-        Lengths. By default z is up for surveys, which are seen from above with north up: a Cloud of a LAS, LAZ, COPC,
-        E57 or PTX file or with a reference system, coordinates as large as those of maps, and flat clouds. For others it is
-        z, y or -y, by their shape.
+        From where to look: a name, or the eye's place; what is in the middle, and what is up: an axis by
+        name, or a direction. Lengths. By default z is up for surveys, which are seen from above with north up:
+        a Cloud of a LAS, LAZ, COPC, E57 or PTX file or with a reference system, coordinates as large as those
+        of maps, and flat clouds. For others it is z, y or -y, by their shape.
     camera, fov, view_height
         "perspective" with an angle of view in degrees, or "orthographic" with the height that is shown, a length.
     title : str, optional
@@ -147,8 +147,8 @@ def render(
         "samples": samples,
         "background": background,
         "occlusion": occlusion,
-        "format": points.format if isinstance(points, Cloud) else None,
-        "has_crs": isinstance(points, Cloud) and points.crs is not None,
+        "format": surface._came_from[0],
+        "has_crs": surface._came_from[1],
         "view": view,
         "look_from": look_from,
         "look_at": look_at,
