@@ -66,7 +66,9 @@ impl Extent {
             let away = sub(*p, self.middle);
             add_scaled(*p, away, BEYOND * self.support / length(away).max(self.support))
         };
-        Self { points: self.points.iter().map(outward).collect(), ..self.clone() }
+        let mut grown = self.clone();
+        grown.points = self.points.iter().map(outward).collect();
+        grown
     }
 
     /// The shape of what is seen, and the wish with its middle.

@@ -1,7 +1,7 @@
 //! Where to look from: named views, the automatic one, and the distance at which a cloud fills the picture.
 
 use crate::camera::{Axes, Camera, CameraError, Projection};
-use crate::upright::{Origin, Upright};
+use crate::upright::{Origin, Upright, Why};
 use crate::vector::{Vector, add_scaled, cross, dot, length, scale, sub, unit};
 use footpoint::Surface;
 
@@ -84,7 +84,7 @@ const BETTER: f64 = 1.1;
 /// Facing a direction by more than this is no chance.
 const CLEARLY: f64 = 0.1;
 /// A survey less high than this share of its width is land.
-const LOW: f64 = 0.5;
+const LOW: f64 = 2.0 / 3.0;
 /// Angle at which land is looked at, from the horizon.
 const TILT_DEGREES: f64 = 60.0;
 /// Sine of the angle between up and the line of sight below which something else is up.
@@ -174,7 +174,7 @@ impl Extent {
         let upward = upright.axis;
         let back = match wish.from {
             Some(from) => sub(from, wish.at.unwrap_or(self.middle)),
-            None => self.direction(wish, upward),
+            None => self.direction(wish, &upright),
         };
         let up = if length(cross(unit(back), unit(upward))) > UPRIGHT || wish.from.is_some() {
             upward
@@ -251,8 +251,8 @@ impl Extent {
     }
 
     /// From the middle to the eye.
-    fn direction(&self, wish: &Wish, up: Vector) -> Vector {
-        let axes = sides(up);
+    fn direction(&self, wish: &Wish, upright: &Upright) -> Vector {
+        let axes = sides(upright.axis);
         let [right, front, up] = axes;
         match wish.view {
             View::Front => front,
@@ -263,8 +263,12 @@ impl Extent {
             View::Bottom => scale(up, -1.0),
             View::Iso => sum(right, front, up),
             View::Auto if self.is_survey(wish, up) => self.over_land(&axes),
-            // From below only where a thin sheet shows its front there.
-            View::Auto => self.toward_its_front(self.best(&axes, |_, _, c| c >= 0.0)),
+            // From straight above nothing is seen to stand; from below only a sheet's front is shown.
+            View::Auto => {
+                let stands = upright.why == Why::Stands;
+                let allowed = |a, b, c| c >= 0.0 && !(stands && a == 0.0 && b == 0.0);
+                self.toward_its_front(self.best(&axes, allowed))
+            }
         }
     }
 

@@ -11,7 +11,8 @@ const PIXELS: usize = 20_000;
 /// An ellipsoid.
 fn body(scales: [f64; 3]) -> Surface<3> {
     let points = sphere(1.0, 4_000, 5).points;
-    let points = points.into_iter().map(|p| std::array::from_fn(|k| scales[k] * p[k])).collect();
+    let points: Vec<[f64; 3]> =
+        points.into_iter().map(|p| std::array::from_fn(|k| scales[k] * p[k])).collect();
     Surface::new(Cloud::new(points), Definition::default()).unwrap()
 }
 
