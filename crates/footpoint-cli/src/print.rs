@@ -197,6 +197,7 @@ fn describe_picture(out: &mut String, render: &RenderReport) -> std::fmt::Result
         render.rays,
         100.0 * render.hits as f64 / render.rays as f64
     )?;
+    writeln!(out, "up: {}, {}; --up says otherwise", axis_name(render.up.axis), render.up.why.words())?;
     let camera = render.camera;
     // Survey coordinates are long: digits count from the distance of the eye.
     let apart = (0..3).map(|k| (camera.from[k] - camera.at[k]).powi(2)).sum::<f64>().sqrt();
@@ -205,12 +206,13 @@ fn describe_picture(out: &mut String, render: &RenderReport) -> std::fmt::Result
     write!(out, "camera: --look-from {} --look-at {}", place(camera.from), place(camera.at))?;
     write!(out, " --look-up {}", camera.up.map(short).join(","))?;
     match camera.projection {
-        Projection::Perspective { fov_degrees } => writeln!(out, " --fov {fov_degrees}")?,
+        Projection::Perspective { fov_degrees } => write!(out, " --fov {fov_degrees}")?,
         Projection::Orthographic { height } => {
-            writeln!(out, " --camera orthographic --view-height {}", short(height))?;
+            write!(out, " --camera orthographic --view-height {}", short(height))?;
         }
-        _ => writeln!(out)?,
+        _ => {}
     }
+    writeln!(out, " --size {}x{}", render.width, render.height)?;
     if let Some([low, high]) = render.range {
         writeln!(out, "colours from {} to {}", short(low), short(high))?;
     }
@@ -218,6 +220,16 @@ fn describe_picture(out: &mut String, render: &RenderReport) -> std::fmt::Result
         writeln!(out, "depths from {} to {}", short(near.into()), short(far.into()))?;
     }
     Ok(())
+}
+
+/// x, y or z, or the numbers of a direction.
+fn axis_name(axis: [f64; 3]) -> String {
+    for (place, letter) in ["x", "y", "z"].iter().enumerate() {
+        if (0..3).all(|k| k == place || axis[k] == 0.0) {
+            return if axis[place] < 0.0 { format!("-{letter}") } else { (*letter).to_owned() };
+        }
+    }
+    axis.map(short).join(",")
 }
 
 fn describe_info(out: &mut String, info: &InfoReport) -> std::fmt::Result {

@@ -69,6 +69,8 @@ fn every_option_matters() {
         "--look-from 3,1,1",
         "--look-from 3,1,1 --look-at 0,0,0.5",
         "--look-up 1,0.2,0",
+        "--up x",
+        "--up -y",
         "--camera orthographic",
         "--camera orthographic --view-height 4",
         "--fov 60",
@@ -114,6 +116,37 @@ fn the_camera_of_a_report_draws_the_same_picture() {
 }
 
 #[test]
+fn a_report_says_what_is_up_and_an_option_says_otherwise() {
+    let folder = Folder::new();
+    let hollow = (0..900).map(|i| (f64::from(i % 30) / 15.0 - 1.0, f64::from(i / 30) / 15.0 - 1.0));
+    folder.write("land.csv", csv_of("x,y,z", hollow.map(|(x, y)| vec![x, y, 0.2 * (x * x + y * y)])));
+    let drawn = |options: &str| {
+        let words = format!("render land.csv -o out.png --force --samples 1 {options}");
+        let said = folder.done(&words).stderr;
+        let report = folder.report(&words);
+        let camera = &report["render"]["camera"];
+        let back: Vec<f64> =
+            (0..3).map(|k| camera["from"][k].as_f64().unwrap() - camera["at"][k].as_f64().unwrap()).collect();
+        (said, report["render"].clone(), back)
+    };
+    let (said, report, back) = drawn("--size 64x48");
+    assert!(said.contains("up: z, the cloud is flat"), "{said}");
+    assert_eq!(report["up"]["why"], "flat");
+    assert!(back[2] > 0.0 && back[1] < 0.0 && back[0].abs() < 1e-9 * back[2], "{back:?}");
+    let (same, numbers) = (&report["camera"], &drawn("--size 64x48 --flat --attribute z").1);
+    // The strip of the scale bar takes rows, nothing else of the view.
+    assert_eq!((&numbers["up"], &numbers["camera"]["up"]), (&report["up"], &same["up"]));
+    let (said, report, _) = drawn("--size 64x48 --view front --up y");
+    assert!(said.contains("up: y, as asked for"), "{said}");
+    assert_eq!(report["up"]["axis"], serde_json::json!([0.0, 1.0, 0.0]));
+    assert!(drawn("--size 64x48 --view front").2[1] < 0.0);
+    // Without a size: wider than high from the front, and as many pixels as ever.
+    let report = drawn("--view front").1;
+    let [width, height] = ["width", "height"].map(|side| report[side].as_f64().unwrap());
+    assert!((width / height - 2.5).abs() < 0.01 && (width * height / 1.92e6 - 1.0).abs() < 0.01);
+}
+
+#[test]
 fn depth_normals_and_mask_are_pictures_too() {
     let folder = folder();
     let (_, report) = drawn(&folder, "--depth depth.png --normals normals.png --mask mask.png");
@@ -146,6 +179,7 @@ fn what_cannot_be_drawn_is_refused_and_nothing_is_written() {
         ("render ball.csv -o a.png --shading distance", "--to"),
         ("render ball.csv -o a.png --shading attribute", "--attribute"),
         ("render ball.csv -o a.png --shading surface --to large.csv", "--to belongs"),
+        ("render ball.csv -o a.png --up w", "x, y or z"),
         ("render ball.csv -o a.png --view-height 3", "orthographic"),
         ("render ball.csv -o a.png --shading depth --range 3,1", "below"),
         ("render ball.csv -o a.png --depth nowhere/d.png", "nowhere"),

@@ -11,7 +11,7 @@ use crate::scan::{ScanPlan, Vessel, scan};
 use crate::{Context, JobError, Stage};
 use footpoint::{Cloud, Project, Queries, Status, Surface, Want};
 use footpoint_io::{Column, Data, Table};
-use footpoint_render::{RenderError, Shading, Wish, triptych, write_image};
+use footpoint_render::{Canvas, RenderError, Shading, Wish, triptych, write_image};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -138,7 +138,8 @@ fn draw(
     report: &mut Report,
 ) -> Result<(), JobError> {
     let wrong = |problem: RenderError| JobError::of_render("the simulated scan", problem);
-    let plan = RenderPlan { size: [width, (3 * width).div_ceil(4)], ..RenderPlan::default() };
+    let canvas = Canvas::Given([width, (3 * width).div_ceil(4)]);
+    let plan = RenderPlan { canvas, ..RenderPlan::default() };
     // Half as wide again as the picture.
     let panel = [width.div_ceil(2); 2];
     let run = context.run.silent();

@@ -1,6 +1,7 @@
 //! What is said of a file that was read: its format, its unit, what was guessed or passed over.
 
 use footpoint_io::{Format, Input, ReadReport, Unit};
+use footpoint_render::Origin;
 
 /// The format as reports have it.
 pub fn format_name(format: Format) -> &'static str {
@@ -16,6 +17,16 @@ pub fn format_name(format: Format) -> &'static str {
         Format::Ptx => "ptx",
         Format::Npy => "npy",
         Format::Npz => "npz",
+    }
+}
+
+/// What is known of where a cloud comes from: its format's name, if it has one, and whether a reference
+/// system is stated.
+pub fn origin_of(format: Option<&str>, has_reference_system: bool) -> Origin {
+    match format {
+        Some("las" | "laz" | "copc" | "e57" | "ptx") => Origin::SurveyFormat,
+        _ if has_reference_system => Origin::ReferenceSystem,
+        _ => Origin::Unknown,
     }
 }
 

@@ -28,7 +28,7 @@ mod triptych;
 
 pub use clock::{Spent, Times};
 pub use demo::{DemoPlan, DemoReport, demo};
-pub use describe::{format_name, missing_points, notes, unit_name};
+pub use describe::{format_name, missing_points, notes, origin_of, unit_name};
 pub use distance::{
     Changes, Coloured, DistanceReport, DistanceSearch, Feet, Histogram, Quantile, SupportShare,
     SurfaceSearch, check_distance, distance,
@@ -41,7 +41,9 @@ pub use load::{estimated_noise, surface_of_cloud};
 pub use normals::{Bending, NormalChoice, normals};
 pub use orient::{OrientBy, OrientPlan, OrientationReport, orient};
 pub use project::project;
-pub use render::{RenderPlan, RenderReport, Show, check_picture, picture, render, title, write_picture};
+pub use render::{
+    RenderPlan, RenderReport, Show, axis, check_picture, picture, render, title, write_picture,
+};
 pub use report::{
     Compare, InputReport, MovedReport, NoiseSource, Recipe, Report, SCHEMA, StatusCount, SurfaceReport,
     recipe_of,
@@ -55,7 +57,9 @@ pub use footpoint::{
     Operator, Precision, Progress, Project, Run, Status, Support, Weight,
 };
 pub use footpoint_io::{Overwrite, UNPACKING};
-pub use footpoint_render::{Background, Camera, Projection, Relief, View, Wish};
+pub use footpoint_render::{
+    Background, Camera, Canvas, Origin, Projection, Relief, Upright, View, Why, Wish,
+};
 
 use std::path::PathBuf;
 

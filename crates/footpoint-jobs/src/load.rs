@@ -1,7 +1,7 @@
 //! From a file to a cloud: which columns hold what.
 
 use crate::clock::timed;
-use crate::describe::{format_name, missing_points, notes, unit_name};
+use crate::describe::{format_name, missing_points, notes, origin_of, unit_name};
 use crate::output::drop_own_status;
 use crate::report::{InputReport, NoiseSource, Recipe, Report, SurfaceReport};
 use crate::{Context, JobError, Stage};
@@ -10,6 +10,7 @@ use footpoint::{
 };
 use footpoint_io::roles::Roles;
 use footpoint_io::{Input, Unit, check_table};
+use footpoint_render::Origin;
 use std::path::Path;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -219,6 +220,11 @@ impl Loaded {
     /// Fails if the points make a curve in the plane.
     pub(crate) fn check_space(&self) -> Result<(), JobError> {
         if self.roles.dimension() == 3 { Ok(()) } else { Err(JobError::OnlyPlane(self.path.clone())) }
+    }
+
+    /// Where the points come from, as far as that says what is up.
+    pub(crate) fn origin(&self) -> Origin {
+        origin_of(Some(format_name(self.input.format)), self.input.table.frame.crs.is_some())
     }
 
     /// Why there is no picture of this file.

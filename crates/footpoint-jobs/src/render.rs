@@ -7,8 +7,8 @@ use crate::{Context, JobError, Stage};
 use footpoint::{Run, Surface};
 use footpoint_io::{Data, Overwrite, check_file, write_file};
 use footpoint_render::{
-    Background, Camera, Extent, Keep, Occlusion, Picture, Plan, Relief, Shading, Wish, linear,
-    render as draw, view_size, write_depth, write_image, write_mask, write_normals,
+    Aim, Background, Camera, Canvas, Extent, Keep, Occlusion, Picture, Plan, Relief, Shading, Upright, Wish,
+    linear, render as draw, write_depth, write_image, write_mask, write_normals,
 };
 use serde::Serialize;
 use std::fs::File;
@@ -46,8 +46,8 @@ pub struct RenderPlan {
     pub show: Show,
     /// From where.
     pub wish: Wish,
-    /// Pixels in a row, and rows.
-    pub size: [usize; 2],
+    /// How large it is.
+    pub canvas: Canvas,
     /// Rays along each side of a pixel.
     pub across: usize,
     /// What lies behind.
@@ -67,12 +67,12 @@ pub struct RenderPlan {
 }
 
 impl Default for RenderPlan {
-    /// The surface from the automatic view, 1600 × 1200 pixels of 4 rays, on white.
+    /// The surface from the automatic view, on about 1600 × 1200 pixels of 4 rays in its own shape, on white.
     fn default() -> Self {
         Self {
             show: Show::Surface,
             wish: Wish::default(),
-            size: [1600, 1200],
+            canvas: Canvas::Shaped(1600 * 1200),
             across: 2,
             background: Background::default(),
             relief: Relief::Lit,
@@ -107,6 +107,8 @@ pub struct RenderReport {
     pub samples_per_pixel: usize,
     /// From where: as options it gives the same picture.
     pub camera: Camera,
+    /// What is taken as up, and why.
+    pub up: Upright,
     /// Rays cast, without those of occlusion.
     pub rays: usize,
     /// Rays that met the surface.
@@ -186,7 +188,8 @@ pub fn render(
         _ => title(&shading),
     };
     context.begin(Stage::Draw);
-    let (camera, picture) = timed(&mut report.times.draw, || {
+    let plan = &RenderPlan { wish: Wish { origin: loaded.origin(), ..plan.wish }, ..plan.clone() };
+    let (aim, picture) = timed(&mut report.times.draw, || {
         picture(&surface, plan, (shading, title), &context.run).map_err(|error| loaded.render_error(error))
     })?;
     if picture.hits == 0 {
@@ -197,35 +200,35 @@ pub fn render(
     report.points_per_second = if seconds > 0.0 { picture.rays as f64 / seconds } else { 0.0 };
     report.render = Some(RenderReport {
         shading: name(&shading),
-        width: plan.size[0],
-        height: plan.size[1],
+        width: aim.size[0],
+        height: aim.size[1],
         samples_per_pixel: plan.across * plan.across,
-        camera,
+        camera: aim.camera,
+        up: aim.upright,
         rays: picture.rays,
         hits: picture.hits,
         rays_per_second: report.points_per_second,
         range: picture.range,
         depth_range: plan.depth.as_ref().and(picture.planes.as_ref()).map(|planes| planes.depth_range()),
     });
-    write_all(&mut report, &picture, (output, plan), context)?;
+    write_all(&mut report, &picture, (output, plan, aim.size), context)?;
     Ok(report)
 }
 
-/// The camera and the picture: what [`render`] draws and writes, of a surface in memory. The plan's `show` and its files are not
-/// looked at; the shading says what is shown, with a title for numbers.
+/// From where, and the picture: what [`render`] draws and writes, of a surface in memory. The plan's `show`
+/// and its files are not looked at; the shading says what is shown, with a title for numbers.
 pub fn picture(
     surface: &Surface<3>,
     plan: &RenderPlan,
     (shading, title): (Shading<'_>, &str),
     run: &Run<'_>,
-) -> Result<(Camera, Picture), footpoint_render::RenderError> {
+) -> Result<(Aim, Picture), footpoint_render::RenderError> {
     let extent = Extent::new(surface);
-    let [width, height] = view_size(plan.size, &shading);
-    let camera = extent.camera(&plan.wish, width.max(1), height.max(1))?;
+    let aim = extent.aim(&plan.wish, plan.canvas, &shading)?;
     let wants_planes = plan.depth.is_some() || plan.normals.is_some() || plan.mask.is_some();
     let drawing = Plan {
-        camera,
-        size: plan.size,
+        camera: aim.camera,
+        size: aim.size,
         across: plan.across,
         shading,
         relief: plan.relief,
@@ -236,7 +239,16 @@ pub fn picture(
         title: title.to_owned(),
         planes: if wants_planes { Keep::Yes } else { Keep::No },
     };
-    Ok((camera, draw(surface, &drawing, run)?))
+    Ok((aim, draw(surface, &drawing, run)?))
+}
+
+/// The direction of a word: `x`, `y` or `z`, and against it with a minus before.
+pub fn axis(word: &str) -> Option<[f64; 3]> {
+    let (sign, letter) = word.strip_prefix('-').map_or((1.0, word), |letter| (-1.0, letter));
+    let place = ["x", "y", "z"].iter().position(|name| *name == letter)?;
+    let mut axis = [0.0; 3];
+    axis[place] = sign;
+    Some(axis)
 }
 
 /// What reports call a shading.
@@ -269,19 +281,19 @@ pub fn title(shading: &Shading<'_>) -> &'static str {
 fn write_all(
     report: &mut Report,
     picture: &Picture,
-    (output, plan): (&Path, &RenderPlan),
+    (output, plan, size): (&Path, &RenderPlan, [usize; 2]),
     context: &Context<'_>,
 ) -> Result<(), JobError> {
     put(report, output, context, &|out| write_image(&picture.image, out))?;
     let Some(planes) = &picture.planes else { return Ok(()) };
     if let Some(path) = &plan.depth {
-        put(report, path, context, &|out| write_depth(planes, plan.size, out))?;
+        put(report, path, context, &|out| write_depth(planes, size, out))?;
     }
     if let Some(path) = &plan.normals {
-        put(report, path, context, &|out| write_normals(planes, plan.size, out))?;
+        put(report, path, context, &|out| write_normals(planes, size, out))?;
     }
     if let Some(path) = &plan.mask {
-        put(report, path, context, &|out| write_mask(planes, plan.size, out))?;
+        put(report, path, context, &|out| write_mask(planes, size, out))?;
     }
     Ok(())
 }

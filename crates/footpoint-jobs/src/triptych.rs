@@ -27,9 +27,11 @@ pub fn triptych(
 ) -> Result<Report, JobError> {
     check_picture(output, context.overwrite)?;
     let mut report = Report::new("figure", context.recipe.clone());
+    let mut wish = Wish::default();
     let (surface, name) = match input {
         Some(path) => {
             let loaded = read_space(path, context, &mut report)?;
+            wish.origin = loaded.origin();
             (loaded.surface::<3>(context, &mut report)?, path.display().to_string())
         }
         None => {
@@ -44,10 +46,9 @@ pub fn triptych(
         }
     };
     context.begin(Stage::Draw);
-    let drawn = timed(&mut report.times.draw, || {
-        draw(&surface, &Wish::default(), ([width / 3; 2], ACROSS), &context.run)
-    })
-    .map_err(|problem| JobError::of_render(&name, problem))?;
+    let drawn =
+        timed(&mut report.times.draw, || draw(&surface, &wish, ([width / 3; 2], ACROSS), &context.run))
+            .map_err(|problem| JobError::of_render(&name, problem))?;
     if drawn.hits == 0 {
         return Err(JobError::NothingHit(name));
     }
@@ -60,6 +61,7 @@ pub fn triptych(
         height: drawn.image.height(),
         samples_per_pixel: ACROSS * ACROSS,
         camera: drawn.camera,
+        up: drawn.upright,
         rays: drawn.rays,
         hits: drawn.hits,
         rays_per_second: report.points_per_second,

@@ -5,7 +5,9 @@ use crate::errors::{of_file, of_render, wrong};
 use crate::options::Options;
 use crate::work::How;
 use footpoint::Surface;
-use footpoint_jobs::{JobError, Overwrite, RenderPlan, check_picture, picture, title, write_picture};
+use footpoint_jobs::{
+    Canvas, JobError, Overwrite, RenderPlan, axis, check_picture, origin_of, picture, title, write_picture,
+};
 use footpoint_render::{Background, Picture, Relief, RenderError, Shading, View, Wish, linear, write_image};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -83,6 +85,19 @@ fn bytes(picture: &Picture, background: Background) -> Vec<u8> {
     }
 }
 
+/// Pixels of a picture whose size is not given.
+const PIXELS: usize = 800 * 600;
+
+/// The name of an axis, or a direction.
+fn upward(options: &Options<'_, '_>) -> PyResult<Option<[f64; 3]>> {
+    match options.get::<String>("look_up", "a word") {
+        Ok(Some(word)) => axis(&word)
+            .map(Some)
+            .ok_or_else(|| wrong("look_up", format!("\"{word}\" is none of x, y, z, -x, -y, -z"))),
+        _ => options.get("look_up", "the name of an axis, or three numbers"),
+    }
+}
+
 fn plan(options: &Options<'_, '_>) -> PyResult<RenderPlan> {
     let usual = RenderPlan::default();
     let views = [
@@ -100,7 +115,8 @@ fn plan(options: &Options<'_, '_>) -> PyResult<RenderPlan> {
         view: options.choice("view", &views)?.unwrap_or_default(),
         from: options.vector("look_from")?,
         at: options.vector("look_at")?,
-        up: options.vector("look_up")?,
+        up: upward(options)?,
+        origin: origin_of(options.get::<String>("format", "a word")?.as_deref(), options.is_set("has_crs")?),
         parallel: parallel.unwrap_or(false),
         fov_degrees: options.number("fov")?.unwrap_or(usual.wish.fov_degrees),
         height: options.number("view_height")?,
@@ -116,9 +132,10 @@ fn plan(options: &Options<'_, '_>) -> PyResult<RenderPlan> {
     let background = background.map_or(Ok(usual.background), |word| {
         word.parse().map_err(|problem| wrong("background", format!("\"{word}\": {problem}")))
     })?;
+    let size = options.get("size", "two numbers of pixels")?;
     Ok(RenderPlan {
         wish,
-        size: options.get("size", "two numbers of pixels")?.unwrap_or(usual.size),
+        canvas: size.map_or(Canvas::Shaped(PIXELS), Canvas::Given),
         across: samples.isqrt(),
         background,
         relief: if options.is_set("flat")? { Relief::Flat } else { Relief::Lit },

@@ -299,6 +299,7 @@ def test_render(command: Command, folder: Path) -> None:
         (("--background", "#102030"), {"background": "#102030"}),
         (("--view", "top"), {"view": "top"}),
         (("--look-from", "3,2,1", "--look-at", "0,0,0.5", "--look-up", "0,1,0"), {"look_from": (3, 2, 1), "look_at": (0, 0, 0.5), "look_up": (0, 1, 0)}),
+        (("--up", "-y"), {"look_up": "-y"}),
         (("--camera", "orthographic", "--view-height", "5"), {"camera": "orthographic", "view_height": 5}),
         (("--fov", "90", "--look-from", "3,2,1"), {"fov": 90, "look_from": (3, 2, 1)}),
         (("--samples", "4", "--size", "60x40"), {"samples": 4, "size": (60, 40)}),

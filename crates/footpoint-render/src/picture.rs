@@ -130,7 +130,7 @@ impl Plan<'_> {
 
 /// Pixels of the part of a picture that shows the surface: all of it, but for a strip where numbers are shown.
 pub fn view_size([width, height]: [usize; 2], shading: &Shading<'_>) -> [usize; 2] {
-    [width, height - if shading.has_numbers() { scale_bar::strip(height) } else { 0 }]
+    [width, height - if shading.has_numbers() { scale_bar::strip([width, height]) } else { 0 }]
 }
 
 /// Draws a surface. Progress counts rays. The same picture for any number of threads.

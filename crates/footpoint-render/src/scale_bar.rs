@@ -11,14 +11,23 @@ const PART: f64 = 0.6;
 /// Height of the strip in heights of its capitals.
 const LINES: f64 = 5.6;
 
-/// Height of capitals in a picture of so many rows.
-pub(crate) fn text_size(rows: usize) -> f64 {
-    (rows as f64 / 44.0).clamp(6.0, 60.0)
+/// Rows that count for the size of text, in widths: a high picture has no room for large words.
+const HIGHEST: f64 = 1.6;
+
+/// Height of capitals in a picture of so many pixels.
+pub(crate) fn text_size([width, rows]: [usize; 2]) -> f64 {
+    ((rows as f64).min(HIGHEST * width as f64) / 44.0).clamp(6.0, 60.0)
 }
 
-/// Rows that the strip takes off a picture of so many rows: less than half.
-pub(crate) fn strip(rows: usize) -> usize {
-    ((LINES * text_size(rows)).ceil() as usize).min(rows.saturating_sub(1) / 2)
+/// Rows that the strip takes off a picture of so many pixels: less than half.
+pub(crate) fn strip([width, rows]: [usize; 2]) -> usize {
+    ((LINES * text_size([width, rows])).ceil() as usize).min(rows.saturating_sub(1) / 2)
+}
+
+/// Rows of a picture that leave so many to the surface. A strip is a share of the whole height, so they are
+/// sought.
+pub(crate) fn rows_around([width, view]: [usize; 2]) -> usize {
+    (view..2 * view + 100).find(|&all| all - strip([width, all]) >= view).unwrap_or(view)
 }
 
 /// Whether some points have no number, so that the bar explains their colour too.
@@ -37,8 +46,8 @@ pub(crate) struct Words<'w> {
 
 /// Draws the bar into the lowest rows of a picture.
 pub(crate) fn draw(image: &mut Image, colours: &Colours, words: &Words<'_>) {
-    let size = text_size(image.height());
-    let top = (image.height() - strip(image.height())) as f64;
+    let size = text_size([image.width(), image.height()]);
+    let top = (image.height() - strip([image.width(), image.height()])) as f64;
     let (wide, ink) = (image.width() as f64, words.ink);
     let left = (0.5 * (1.0 - PART) * wide).round();
     let right = (wide - left).max(left + 1.0);
@@ -71,7 +80,7 @@ pub(crate) fn draw(image: &mut Image, colours: &Colours, words: &Words<'_>) {
 
 /// Writes what a picture shows above its bar, or where that would be; `top` is the strip's first row.
 pub(crate) fn caption(image: &mut Image, text: &str, top: f64, ink: Colour) {
-    let size = text_size(image.height());
+    let size = text_size([image.width(), image.height()]);
     let start = 0.5 * (image.width() as f64 - font::width(text, size));
     font::write(image, text, [start.max(0.0), top + 1.5 * size], size, ink);
 }

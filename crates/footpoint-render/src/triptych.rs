@@ -1,11 +1,13 @@
 //! The paper's figure 3: one surface shaded by n, by ∇f, and the cosine of the angle between the two.
 
 use crate::camera::Camera;
+use crate::canvas::{Aim, Canvas};
 use crate::colour::Background;
 use crate::image::Image;
 use crate::picture::{Keep, Plan, RenderError, render};
 use crate::scale_bar;
 use crate::shading::{Relief, Shading};
+use crate::upright::Upright;
 use crate::view::{Extent, Wish};
 use footpoint::{Progress, Run, Surface};
 
@@ -16,6 +18,8 @@ pub struct Triptych {
     pub image: Image,
     /// The camera of all three.
     pub camera: Camera,
+    /// What is up in the cloud.
+    pub upright: Upright,
     /// Rays cast.
     pub rays: usize,
     /// Rays that met the surface.
@@ -31,10 +35,9 @@ pub fn triptych(
     (panel, across): ([usize; 2], usize),
     run: &Run<'_>,
 ) -> Result<Triptych, RenderError> {
-    let camera = Extent::new(surface).camera(wish, panel[0].max(1), panel[1].max(1))?;
-    // A strip is a share of the whole height, so it is sought.
-    let height = (panel[1]..2 * panel[1] + 100).find(|&all| all - scale_bar::strip(all) >= panel[1]);
-    let height = height.unwrap_or(panel[1]);
+    let Aim { camera, upright, .. } =
+        Extent::new(surface).aim(wish, Canvas::Given(panel), &Shading::Surface)?;
+    let height = scale_bar::rows_around(panel);
     let background = Background::default();
     let mut image = Image::new(3 * panel[0], height, background);
     let shown = [
@@ -69,5 +72,5 @@ pub fn triptych(
         hits += picture.hits;
         range = picture.range.unwrap_or(range);
     }
-    Ok(Triptych { image, camera, rays, hits, range })
+    Ok(Triptych { image, camera, upright, rays, hits, range })
 }

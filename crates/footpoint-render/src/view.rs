@@ -1,14 +1,17 @@
 //! Where to look from: named views, the automatic one, and the distance at which a cloud fills the picture.
 
 use crate::camera::{Axes, Camera, CameraError, Projection};
+use crate::upright::{Origin, Upright, Why};
 use crate::vector::{Vector, add_scaled, cross, dot, length, scale, sub, unit};
 use footpoint::Surface;
 
-/// From where to look. The front is the side of −y where z is up, as on drawings; right in the front view is +x.
+/// From where to look. Right in the front view is +x; the front is the side of −y where z is up, as on
+/// drawings, and that of +z where y is. [`Extent::upright`] says which is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum View {
-    /// As `Iso`, unless more of the samples are seen from elsewhere: [`Extent::automatic`].
+    /// As `Iso`, unless more of the samples are seen from elsewhere; a survey from above, the front at the
+    /// lower edge.
     #[default]
     Auto,
     /// From the front.
@@ -36,8 +39,10 @@ pub struct Wish {
     pub from: Option<[f64; 3]>,
     /// What is looked at; the middle of the cloud by default.
     pub at: Option<[f64; 3]>,
-    /// What is up; z by default.
+    /// What is up; what [`Extent::upright`] finds by default.
     pub up: Option<[f64; 3]>,
+    /// Where the cloud comes from.
+    pub origin: Origin,
     /// Parallel rays instead of perspective.
     pub parallel: bool,
     /// Angle of view from the lower to the upper edge, in degrees, for perspective.
@@ -54,6 +59,7 @@ impl Default for Wish {
             from: None,
             at: None,
             up: None,
+            origin: Origin::Unknown,
             parallel: false,
             fov_degrees: 30.0,
             height: None,
@@ -77,18 +83,35 @@ const THICK: f64 = 0.05;
 const BETTER: f64 = 1.1;
 /// Facing a direction by more than this is no chance.
 const CLEARLY: f64 = 0.1;
+/// A survey less high than this share of its width is land.
+const LOW: f64 = 2.0 / 3.0;
+/// Angle at which land is looked at, from the horizon.
+const TILT_DEGREES: f64 = 60.0;
 /// Sine of the angle between up and the line of sight below which something else is up.
 const UPRIGHT: f64 = 0.2;
 
 /// Where the cloud is, without its outliers: what a camera is fitted to.
 #[derive(Clone, Debug)]
 pub struct Extent {
-    points: Vec<Vector>,
+    pub(crate) points: Vec<Vector>,
     /// Empty, or one for each of the points.
     normals: Vec<Vector>,
-    middle: Vector,
+    pub(crate) middle: Vector,
     /// Length of the diagonal of the bounds.
-    size: f64,
+    pub(crate) size: f64,
+    /// The median of the supports.
+    pub(crate) support: f64,
+}
+
+/// A line of sight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sight {
+    /// From what is looked at toward the eye, of any length.
+    pub(crate) back: Vector,
+    /// Up in the picture.
+    up: Vector,
+    /// What is up in the cloud.
+    pub(crate) upright: Upright,
 }
 
 impl Extent {
@@ -123,7 +146,13 @@ impl Extent {
             }
         }
         let size = length(sub(high, low)).max(surface.support().median);
-        Self { points, normals, middle: std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]), size }
+        Self {
+            points,
+            normals,
+            middle: std::array::from_fn(|k| 0.5 * low[k] + 0.5 * high[k]),
+            size,
+            support: surface.support().median,
+        }
     }
 
     /// Length of the diagonal of the bounds.
@@ -133,14 +162,19 @@ impl Extent {
 
     /// The camera that was wished for, at the distance or height at which the cloud fills a picture of so many pixels.
     pub fn camera(&self, wish: &Wish, width: usize, height: usize) -> Result<Camera, CameraError> {
-        let upward = wish.up.unwrap_or([0.0, 0.0, 1.0]);
-        if !(length(upward).is_finite() && length(upward) > 0.0) {
-            return Err(CameraError::NoUp(upward));
+        self.placed(wish, &self.sight(wish)?, width as f64 / height as f64)
+    }
+
+    /// The line of sight that was wished for.
+    pub(crate) fn sight(&self, wish: &Wish) -> Result<Sight, CameraError> {
+        if let Some(up) = wish.up.filter(|&up| !(length(up).is_finite() && length(up) > 0.0)) {
+            return Err(CameraError::NoUp(up));
         }
-        let mut at = wish.at.unwrap_or(self.middle);
+        let upright = self.upright(wish);
+        let upward = upright.axis;
         let back = match wish.from {
-            Some(from) => sub(from, at),
-            None => self.direction(wish.view, upward),
+            Some(from) => sub(from, wish.at.unwrap_or(self.middle)),
+            None => self.direction(wish, &upright),
         };
         let up = if length(cross(unit(back), unit(upward))) > UPRIGHT || wish.from.is_some() {
             upward
@@ -149,16 +183,22 @@ impl Extent {
             let [_, front, _] = sides(upward);
             scale(front, -1.0_f64.copysign(dot(back, upward)))
         };
+        Ok(Sight { back, up, upright })
+    }
+
+    /// The camera on a line of sight, for a picture of this width over height.
+    pub(crate) fn placed(&self, wish: &Wish, sight: &Sight, ratio: f64) -> Result<Camera, CameraError> {
+        let mut at = wish.at.unwrap_or(self.middle);
+        let Sight { back, up, .. } = *sight;
         let axes = Axes::new(back, up);
-        let ratio = width as f64 / height as f64;
         let fov = wish.fov_degrees;
-        let sight = Camera {
+        let trial = Camera {
             from: wish.from.unwrap_or(add_scaled(at, unit(back), 1.0)),
             at,
             up,
             projection: Projection::Perspective { fov_degrees: fov },
         };
-        sight.check()?;
+        trial.check()?;
         let slope = FILLED * (0.5 * fov).to_radians().tan();
         // Distance from `at` at which every sample is inside the picture.
         let distance = |at: Vector| {
@@ -211,9 +251,10 @@ impl Extent {
     }
 
     /// From the middle to the eye.
-    fn direction(&self, view: View, up: Vector) -> Vector {
-        let [right, front, up] = sides(up);
-        match view {
+    fn direction(&self, wish: &Wish, upright: &Upright) -> Vector {
+        let axes = sides(upright.axis);
+        let [right, front, up] = axes;
+        match wish.view {
             View::Front => front,
             View::Back => scale(front, -1.0),
             View::Right => right,
@@ -221,25 +262,45 @@ impl Extent {
             View::Top => up,
             View::Bottom => scale(up, -1.0),
             View::Iso => sum(right, front, up),
-            View::Auto => self.automatic(up),
+            View::Auto if self.is_survey(wish, up) => self.over_land(&axes),
+            // From straight above nothing is seen to stand; from below only a sheet's front is shown.
+            View::Auto => {
+                let stands = upright.why == Why::Stands;
+                let allowed = |a, b, c| c >= 0.0 && !(stands && a == 0.0 && b == 0.0);
+                self.toward_its_front(self.best(&axes, allowed))
+            }
         }
     }
 
-    /// The automatic view: from the front, right and above, if at least 1/1.1 as many samples are seen from there as from any
-    /// of the 26 directions to the sides, edges and corners of a cube that do not look up; else from the one with most. A thin sheet is seen as well
-    /// from behind: of two opposite directions that show alike the one is taken that most normals face or, without
-    /// normals, that the sheet bulges toward, as what a scanner saw does.
-    pub fn automatic(&self, up: [f64; 3]) -> [f64; 3] {
-        let [right, front, up] = sides(up);
+    /// Where a survey is seen from: as a map is, north up and east to the right, but tilted so that walls
+    /// show; what is high for its width from the side or corner that shows most, from above all the same.
+    fn over_land(&self, axes: &[Vector; 3]) -> Vector {
+        let ([wide, deep, high], _) = self.lengths(axes);
+        if high < LOW * (wide * deep).sqrt() {
+            let (rise, back) = TILT_DEGREES.to_radians().sin_cos();
+            return sum([0.0; 3], scale(axes[1], back), scale(axes[2], rise));
+        }
+        self.best(axes, |a, b, c| c > 0.0 && (a != 0.0 || b != 0.0))
+    }
+
+    /// The direction that shows most where it is not known which axis is up: straight along z, too, is from
+    /// the front of what has y upward, and straight against z of what has y downward, as cameras have.
+    pub(crate) fn most_seen(&self) -> Vector {
+        let axes = sides([0.0, 0.0, 1.0]);
+        self.toward_its_front(self.best(&axes, |a, b, c| c >= 0.0 || (a == 0.0 && b == 0.0)))
+    }
+
+    /// From the front, right and above, if at least 1/1.1 as many samples are seen from there as from any of
+    /// the allowed ones of the 26 directions to the sides, edges and corners of a cube; else from the one
+    /// with most.
+    fn best(&self, &[right, front, up]: &[Vector; 3], allowed: impl Fn(f64, f64, f64) -> bool) -> Vector {
         let iso = sum(right, front, up);
         let mut best = (iso, BETTER * self.seen(iso));
         for a in [1.0, 0.0, -1.0] {
             for b in [1.0, 0.0, -1.0] {
                 for c in [1.0, 0.0, -1.0] {
                     let way = sum(scale(right, a), scale(front, b), scale(up, c));
-                    // Straight from below is the front of what was made with another axis upward.
-                    let looks_up = c < 0.0 && (a != 0.0 || b != 0.0);
-                    if length(way) > 0.5 && !looks_up {
+                    if length(way) > 0.5 && allowed(a, b, c) {
                         let seen = self.seen(way);
                         if seen > best.1 {
                             best = (way, seen);
@@ -248,13 +309,19 @@ impl Extent {
                 }
             }
         }
-        let (way, seen) = (best.0, self.seen(best.0));
+        best.0
+    }
+
+    /// A thin sheet is seen as well from behind: of two opposite directions that show alike the one that most
+    /// normals face or, without normals, that the sheet bulges toward, as what a scanner saw does.
+    fn toward_its_front(&self, way: Vector) -> Vector {
         let behind = scale(way, -1.0);
-        if BETTER * self.seen(behind) >= seen && self.faces(behind) > CLEARLY { behind } else { way }
+        let is_behind = BETTER * self.seen(behind) >= self.seen(way) && self.faces(behind) > CLEARLY;
+        if is_behind { behind } else { way }
     }
 
     /// How many samples are seen from a direction, in a coarse raster.
-    fn seen(&self, way: Vector) -> f64 {
+    pub(crate) fn seen(&self, way: Vector) -> f64 {
         let axes =
             Axes::new(way, if way[2].abs() > 0.9 * length(way) { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] });
         let cell = |v: f64| ((v / self.size + 0.5) * RASTER as f64).clamp(0.0, (RASTER - 1) as f64) as usize;
@@ -301,7 +368,7 @@ fn sum(a: Vector, b: Vector, c: Vector) -> Vector {
 }
 
 /// Unit vectors to the right, to the front and up.
-fn sides(up: Vector) -> [Vector; 3] {
+pub(crate) fn sides(up: Vector) -> [Vector; 3] {
     let up = unit(up);
     let axis = if up[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let right = unit(add_scaled(axis, up, -dot(axis, up)));

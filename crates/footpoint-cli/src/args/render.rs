@@ -2,7 +2,7 @@
 
 use super::common::Common;
 use clap::{Args, ValueEnum};
-use footpoint_jobs::{Background, Relief, RenderPlan, Show, View, Wish};
+use footpoint_jobs::{Background, Canvas, Relief, RenderPlan, Show, View, Wish, axis};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -27,9 +27,9 @@ pub(crate) struct RenderArguments {
     /// Give colours exactly as they are, in the file or in the scale bar, without light
     #[arg(long, hide_short_help = true)]
     flat: bool,
-    /// Pixels: width and height, or the width of a picture four wide to three high
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x1200", value_parser = size, help_heading = "Picture")]
-    size: [usize; 2],
+    /// Pixels: width and height, or the width at 4:3 [default: two million in the shape of what is shown]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, help_heading = "Picture")]
+    size: Option<[usize; 2]>,
     /// Rays a pixel: 1, 4, 9, 16, …
     #[arg(long, value_name = "COUNT", default_value = "4", value_parser = square, help_heading = "Picture", hide_short_help = true)]
     samples: usize,
@@ -64,8 +64,21 @@ pub(crate) struct RenderArguments {
     /// What is in the middle of the picture [default: the middle of the cloud]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera", hide_short_help = true)]
     look_at: Option<[f64; 3]>,
-    /// What is up [default: 0,0,1]
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Camera", hide_short_help = true)]
+    /// What is up: x, y, z, -y, or X,Y,Z [default: z for surveys, else by shape]
+    ///
+    /// All views go by it. z is up in LAS, LAZ, COPC, E57 and PTX files, where a reference system is stated,
+    /// where x and y are as large as those of maps, and where the cloud is flat: such surveys are seen from
+    /// above, y to the north. Else it is z, y or -y, by which end the cloud stands on and from where most of
+    /// it is seen. The report tells which, and why.
+    #[arg(
+        long,
+        visible_alias = "up",
+        value_name = "AXIS",
+        value_parser = upward,
+        allow_hyphen_values = true,
+        help_heading = "Camera",
+        hide_short_help = true
+    )]
     look_up: Option<[f64; 3]>,
     /// Perspective, or parallel rays
     #[arg(long, value_enum, default_value = "perspective", help_heading = "Camera", hide_short_help = true)]
@@ -111,9 +124,9 @@ enum ShadingName {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ViewName {
-    /// As iso, unless much more is seen from elsewhere
+    /// As iso, unless much more is seen from elsewhere; a survey from above with north up, tilted a little
     Auto,
-    /// From the front: -y where z is up
+    /// From the front: -y where z is up, z where y is up
     Front,
     Back,
     Left,
@@ -144,11 +157,13 @@ impl RenderArguments {
             parallel: self.camera == CameraName::Orthographic,
             fov_degrees: self.fov,
             height: self.view_height,
+            ..Wish::default()
         };
+        let usual = RenderPlan::default();
         Ok(RenderPlan {
             show: self.show()?,
             wish,
-            size: self.size,
+            canvas: self.size.map_or(usual.canvas, Canvas::Given),
             across: self.samples.isqrt(),
             background: self.background,
             relief: if self.flat { Relief::Flat } else { Relief::Lit },
@@ -210,6 +225,12 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
 
 fn vector(text: &str) -> Result<[f64; 3], String> {
     numbers(text).ok_or_else(|| "it must be three numbers, such as 0,0,1".to_owned())
+}
+
+/// The name of an axis, or numbers.
+fn upward(text: &str) -> Result<[f64; 3], String> {
+    let problem = || "it must be x, y or z, -y, or three numbers, such as 0,0,1".to_owned();
+    axis(text).or_else(|| numbers(text)).ok_or_else(problem)
 }
 
 /// `1600x1200` or `1600`.

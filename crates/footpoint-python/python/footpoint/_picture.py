@@ -38,14 +38,14 @@ def render(
     colours: npt.ArrayLike | None = None,
     range: tuple[float, float] | None = None,
     flat: bool = False,
-    size: tuple[int, int] = (800, 600),
+    size: tuple[int, int] | None = None,
     samples: int = 4,
     background: str = "white",
     occlusion: int = 0,
     view: Literal["auto", "front", "back", "left", "right", "top", "bottom", "iso"] | None = None,
     look_from: Vector | None = None,
     look_at: Vector | None = None,
-    look_up: Vector | None = None,
+    look_up: Vector | Literal["x", "y", "z", "-x", "-y", "-z"] | None = None,
     camera: Literal["perspective", "orthographic"] = "perspective",
     fov: float = 30.0,
     view_height: float | None = None,
@@ -77,8 +77,8 @@ def render(
         Numbers at the ends of the colours.
     flat : bool
         Colours exactly as they were given or stand in the scale bar, without light.
-    size : (int, int)
-        Width and height in pixels.
+    size : (int, int), optional
+        Width and height in pixels; by default 800 times 600 of them in the shape of what is shown.
     samples : int
         Rays a pixel: 1, 4, 9, 16, up to 256.
     background : str
@@ -86,7 +86,10 @@ def render(
     occlusion : int
         Darkens hollows: so many rays from every point that is seen; 16 is smooth with 4 samples.
     view, look_from, look_at, look_up
-        From where to look: a name, or the eye's place; what is in the middle, and what is up. Lengths.
+        From where to look: a name, or the eye's place; what is in the middle, and what is up: an axis by
+        name, or a direction. Lengths. By default z is up for surveys, which are seen from above with north up:
+        a Cloud of a LAS, LAZ, COPC, E57 or PTX file or with a reference system, coordinates as large as those
+        of maps, and flat clouds. For others it is z, y or -y, by their shape.
     camera, fov, view_height
         "perspective" with an angle of view in degrees, or "orthographic" with the height that is shown, a length.
     title : str, optional
@@ -144,6 +147,8 @@ def render(
         "samples": samples,
         "background": background,
         "occlusion": occlusion,
+        "format": surface._came_from[0],
+        "has_crs": surface._came_from[1],
         "view": view,
         "look_from": look_from,
         "look_at": look_at,

@@ -133,7 +133,7 @@ class Surface:
         Values that are no real numbers.
     """
 
-    __slots__ = ("_core", "_options", "_facts")
+    __slots__ = ("_core", "_options", "_facts", "_came_from")
 
     def __init__(
         self,
@@ -190,8 +190,11 @@ class Surface:
         supports, factors, noise = columns
         if isinstance(points, Surface):
             raise TypeError("points: a Surface, but an array or a Cloud is wanted")
+        # The format and whether there is a reference system, by which pictures know a survey.
+        self._came_from: tuple[str | None, bool] = (None, False)
         if isinstance(points, Cloud):
             points._check()
+            self._came_from = (points.format, points.crs is not None)
             normals = points.normals if normals is None else normals
             points = points.points
         rows = _arrays.points(points, "points")
@@ -391,6 +394,7 @@ class Surface:
         with how(threads, progress, "indexing") as run:
             surface._core = self._core.with_normals(rows, run)
         surface._facts, surface._options = surface._core.facts, dict(self._options)
+        surface._came_from = self._came_from
         return surface
 
     @property

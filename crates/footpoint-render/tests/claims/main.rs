@@ -2,9 +2,11 @@
 
 mod background;
 mod camera;
+mod canvas;
 mod golden;
 mod light;
 mod numbers;
 mod planes;
 mod shapes;
+mod upright;
 mod views;
