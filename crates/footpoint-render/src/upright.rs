@@ -144,7 +144,9 @@ impl Extent {
     fn is_flat(&self, up: Vector) -> bool {
         let axes = sides(up);
         let (long, low) = self.lengths(&axes);
-        if !(long[2] < FLAT * long[0].min(long[1])) {
+        // False, too, where there is no point to measure.
+        let is_low = long[2] < FLAT * long[0].min(long[1]);
+        if !is_low {
             return false;
         }
         // Number, mean, and sum of squares about it.
