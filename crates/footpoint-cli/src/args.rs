@@ -12,8 +12,8 @@ use common::Common;
 use distance::DistanceArguments;
 use footpoint_jobs::scan::ScanPlan;
 use footpoint_jobs::{
-    Bending, DegreeAim, DemoPlan, Extra, FigurePlan, NonOrientable, NormalChoice, NormalSource, OrientBy,
-    OrientPlan, Recipe, Support, Which,
+    Bending, DegreeAim, DemoPlan, Extra, FigurePlan, NoiseSource, NonOrientable, NormalChoice, NormalSource,
+    OrientBy, OrientPlan, Recipe, Support, Which,
 };
 use project::ProjectArguments;
 use render::RenderArguments;
@@ -407,32 +407,24 @@ fn which(text: &str) -> Result<Which, String> {
 
 /// Noise of queries: a number, or the name of a column.
 #[derive(Clone, Debug, PartialEq)]
-enum QueryNoise {
-    Uniform(f64),
-    Column(String),
-    Estimated,
-}
+struct QueryNoise(NoiseSource);
 
 impl FromStr for QueryNoise {
     type Err = Infallible;
 
     fn from_str(text: &str) -> Result<Self, Infallible> {
-        Ok(match text.parse() {
-            Ok(sigma) => Self::Uniform(sigma),
-            Err(_) if text == "auto" => Self::Estimated,
-            Err(_) => Self::Column(text.to_owned()),
-        })
+        Ok(Self(NoiseSource::of(text)))
     }
 }
 
 impl QueryNoise {
     /// In place of what was replayed.
     fn adjust(&self, recipe: &mut Recipe) {
-        recipe.query_noise_estimated = *self == Self::Estimated;
-        (recipe.query_noise, recipe.query_noise_column) = match self {
-            Self::Uniform(sigma) => (Some(*sigma), None),
-            Self::Column(name) => (None, Some(name.clone())),
-            Self::Estimated => (None, None),
+        recipe.query_noise_estimated = self.0 == NoiseSource::Estimated;
+        (recipe.query_noise, recipe.query_noise_column) = match &self.0 {
+            NoiseSource::Uniform(sigma) => (Some(*sigma), None),
+            NoiseSource::Column(name) => (None, Some(name.clone())),
+            NoiseSource::Estimated => (None, None),
         };
     }
 }

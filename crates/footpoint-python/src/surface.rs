@@ -168,13 +168,14 @@ impl AnySurface {
     ) -> PyResult<Bound<'py, PyDict>> {
         let options = Options(options);
         let tolerance = options.number("tolerance")?.unwrap_or(Comparison::TOLERANCE);
-        let effective_neighbours =
-            options.get("effective_neighbours", "a list of numbers")?.unwrap_or_default();
+        let given = options.get("effective_neighbours", "a list of numbers")?;
+        let compare = given
+            .map_or_else(Compare::default, |effective_neighbours| Compare::Surfaces { effective_neighbours });
         let recipe = Recipe {
             largest_distance: options.number("largest")?,
             registration: options.number("registration")?,
             project: Some(Project::new().with_tolerance(tolerance)),
-            compare: Some(Compare::Surfaces { effective_neighbours }),
+            compare: Some(compare),
             ..Recipe::default()
         };
         of_either!(self, surface => {

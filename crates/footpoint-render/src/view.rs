@@ -278,7 +278,7 @@ impl Extent {
         let ([wide, deep, high], _) = self.lengths(axes);
         if high < LOW * (wide * deep).sqrt() {
             let (rise, back) = TILT_DEGREES.to_radians().sin_cos();
-            return sum([0.0; 3], scale(axes[1], back), scale(axes[2], rise));
+            return add_scaled(scale(axes[1], back), axes[2], rise);
         }
         self.best(axes, |a, b, c| c > 0.0 && (a != 0.0 || b != 0.0))
     }

@@ -30,7 +30,7 @@ pub(super) struct Gait {
     how: Project,
     /// Where the nearest start is farther than this and a support the walk is not begun.
     largest: f64,
-    from: From,
+    from: Origins,
     ranks: &'static [usize],
     /// Evaluations for a step to come back to the surface: many where it does, few where it never will.
     most_evaluations: u32,
@@ -40,7 +40,7 @@ pub(super) struct Gait {
 
 /// Which samples' foot points walks start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum From {
+enum Origins {
     /// Of all.
     All,
     /// Of those that are the first few to some query.
@@ -50,12 +50,12 @@ enum From {
 impl Gait {
     /// All that helps to find the nearest foot point.
     pub(super) fn patient(how: Project, largest: f64) -> Self {
-        Self { how, largest, from: From::All, ranks: &RANKS, most_evaluations: 100, rounds: 200 }
+        Self { how, largest, from: Origins::All, ranks: &RANKS, most_evaluations: 100, rounds: 200 }
     }
 
     /// What few walks cost little by.
     pub(super) fn brisk(how: Project, largest: f64) -> Self {
-        Self { how, largest, from: From::Nearest, ranks: &RANKS[..1], most_evaluations: 16, rounds: 40 }
+        Self { how, largest, from: Origins::Nearest, ranks: &RANKS[..1], most_evaluations: 16, rounds: 40 }
     }
 }
 
@@ -271,7 +271,8 @@ fn tree<const D: usize>(
     }
 }
 
-/// Rows of the points that are finite, in the order of their coordinates, so that answers depend on no other, and each once.
+/// These rows of the points, in the order of their coordinates, so that answers depend on no other, and each point
+/// once.
 fn ordered<const D: usize>(points: &[[f64; D]], mut rows: Vec<usize>) -> Vec<usize> {
     rows.sort_unstable_by(|&a, &b| {
         let mut axes = points[a].into_iter().zip(points[b]).map(|(a, b)| a.total_cmp(&b));
@@ -317,8 +318,8 @@ impl<const D: usize> Starts<D> {
     fn of(surface: &Surface<D>, queries: &[[f64; D]], gait: Gait, run: &Run<'_>) -> Result<Self, Cancelled> {
         let unit = surface.support().median;
         let found = match gait.from {
-            From::All => surface.with(run).project(Queries::Samples, &gait.how)?,
-            From::Nearest => {
+            Origins::All => surface.with(run).project(Queries::Samples, &gait.how)?,
+            Origins::Nearest => {
                 let samples = nearest(surface.cloud().points(), queries, unit, run)?;
                 let how = gait.how.with_most_evaluations(gait.most_evaluations);
                 surface.with(&run.silent()).project(&samples, &how)?

@@ -220,14 +220,12 @@ def distance(
     # No points have no surface.
     if compare == "surfaces" and len(at):
         given = isinstance(to, Surface) or any(options.get(name) is not None for name in SUPPORTS)
-        numbers["effective_neighbours"] = [] if given else [8.0, 16.0, 32.0]
+        numbers["effective_neighbours"] = [] if given else None
         # Fields of averaged normals need them on both sides.
         normals = points.normals if isinstance(points, Cloud) else None
         own = None if normals is None else _arrays.like(normals, "points", at.shape)
         with how(threads, progress, "comparing") as run:
             return Distances(**shaped(surface._core.compare(at, own, numbers, run), shape))
-    if tolerance is None:
-        numbers["tolerance"] = 1e-6
     if isinstance(query_noise, str):
         if query_noise != "auto":
             raise ValueError(f'query_noise: "{query_noise}", but a number, an array or "auto" is wanted')

@@ -1,9 +1,11 @@
-//! f, ∇f and what decides about them, from moments: the surface of degree 0 (SPEC § 4) and those of degree 1 to 3 (§ 12).
+//! f, ∇f and what decides about them, from moments: the surface of degree 0 (SPEC § 4) and those of degree 1 to
+//! 3 (§ 12).
 //!
 //! Lengths are in units of the level's radius, vectors along the axes of the moments.
 
 use super::moments::{FrameMoments, Moments};
 use crate::algebra::{Vector, dot, length, scale, sub, tangential};
+use crate::definition::Definition;
 use crate::eigen::{pseudo_inverse, smallest};
 use crate::heights::factors;
 use crate::polynomial::{MONOMIALS, PRODUCTS, Table, monomials, slope};
@@ -25,12 +27,9 @@ pub(super) struct Fitted<const D: usize> {
 
 impl<const D: usize> Fitted<D> {
     /// The rule of SPEC § 8 with its usual limits.
-    pub(super) fn is_accepted(&self, boundary_limit: f64) -> bool {
-        self.gap >= 0.1 && self.alignment() >= 0.3 && self.across <= boundary_limit && self.value.is_finite()
-    }
-
-    fn alignment(&self) -> f64 {
-        dot(self.normal, self.gradient)
+    pub(super) fn is_accepted(&self, definition: &Definition) -> bool {
+        let alignment = dot(self.normal, self.gradient);
+        definition.verdict::<D>(self.gap, alignment, (self.across, 1.0)).is_ok() && self.value.is_finite()
     }
 
     /// How far along ∇f the zero lies, to first order.

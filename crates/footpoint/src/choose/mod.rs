@@ -1,5 +1,5 @@
-//! Radius and degree by evidence: variance by the jackknife over five parts, bias against references that may judge, for
-//! normals, positions and curvatures each for itself.
+//! Radius and degree by evidence: variance by the jackknife over five parts, bias against references that may
+//! judge, for normals, positions and curvatures each for itself.
 
 mod fit;
 mod moments;
@@ -7,13 +7,15 @@ mod probe;
 mod risk;
 
 use crate::cloud::Cloud;
+use crate::definition::Definition;
 use crate::run::{Cancelled, Run};
-use crate::support::SupportError;
+use crate::samples::Random;
 use crate::support::neighbours::Distinct;
+use crate::support::{SupportError, median};
 use crate::weight::Weight;
 use moments::Near;
 use probe::{Around, Evidence, Foot, Level, PARTS};
-use risk::{Ladder, SETTLED, select};
+use risk::{Judge, Ladder, SETTLED};
 
 /// What a surface is to give best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,8 +41,9 @@ pub struct Choice {
     pub effective_neighbours: f64,
     /// For [`Definition::with_degree`](crate::Definition::with_degree).
     pub degree: u8,
-    /// The expected error, noise and bias together, root mean square: radians of normals, a length of positions, one over a length of
-    /// curvatures. Edges and outliers do not count: the worst 30 % of normals and curvatures, 2 % of positions are left out.
+    /// The expected error, noise and bias together, root mean square: radians of normals, a length of
+    /// positions, one over a length of curvatures. Edges and outliers do not count: the worst 30 % of normals
+    /// and curvatures, 2 % of positions are left out.
     pub expected: f64,
 }
 
@@ -52,16 +55,20 @@ const NARROWEST: f64 = 8.0;
 const DEGREES: [u8; 3] = [0, 2, 3];
 /// The ladder's places at which the pilot is looked for: 16, 32, … 512 neighbours.
 const PILOTS: [usize; 6] = [2, 4, 6, 8, 10, 12];
+/// From here on the pilot has degree 2: so wide a mean lies beside a curved surface.
+const FIRST_WIDE: usize = 6;
 /// Neighbours are gathered so much farther than the widest level reaches: feet lie beside their samples.
 const MARGIN: f64 = 1.25;
 
 impl<const D: usize> Cloud<D> {
-    /// The radius and the degree (0, 2 or 3) of the least error for each aim, of fields of covariance: 14 radii from 8 to 724
-    /// effective neighbours, judged at 300 samples by what the surface does without a fifth of the samples and by narrower
-    /// radii and higher degrees. Sheets that narrow radii tell apart stay apart. The same for any order of the samples.
+    /// The radius and the degree (0, 2 or 3) of the least error for each aim, of fields of covariance: 14 radii
+    /// from 8 to 724 effective neighbours, judged at 300 samples by what the surface does without a fifth of
+    /// the samples and by narrower radii and higher degrees. Sheets that narrow radii tell apart stay apart.
+    /// The same for any order of the samples.
     ///
-    /// An aim is missing where nothing can be judged: fewer than some 40 samples, or no surface at any radius. Noise that is
-    /// alike over several spacings counts as shape. Fails where no sample is usable, all coincide, or the run is cancelled.
+    /// An aim is missing where nothing can be judged: fewer than some 40 samples, or no surface at any radius.
+    /// Noise that is alike over several spacings counts as shape. Fails where no sample is usable, all
+    /// coincide, or the run is cancelled.
     pub fn choose(&self, weight: Weight, run: &Run<'_>) -> Result<Vec<Choice>, SupportError> {
         Ok(choose(self, &Distinct::of(self)?, weight, run)?)
     }
@@ -74,16 +81,7 @@ fn choose<const D: usize>(
     run: &Run<'_>,
 ) -> Result<Vec<Choice>, Cancelled> {
     let all = distinct.len();
-    let factors: Vec<f64> = distinct
-        .groups()
-        .map(|samples| {
-            let mut each: Vec<f64> =
-                samples.iter().map(|&i| cloud.factors().map_or(1.0, |factors| factors[i as usize])).collect();
-            // The sum must not depend on the order of the input.
-            each.sort_unstable_by(f64::total_cmp);
-            each.iter().sum()
-        })
-        .collect();
+    let factors = distinct.factors(cloud);
     let stride = all.div_ceil(PROBES);
     let count = all.div_ceil(stride);
     let neighbours: Vec<f64> = (0..14)
@@ -95,23 +93,16 @@ fn choose<const D: usize>(
     let Some(&most) = counts.last() else { return Ok(Vec::new()) };
     // Distances to the k-th neighbours, whose medians are the radii.
     let far = run.map(count, |j| distinct.distance(distinct.point(j * stride), most))?;
-    let widest = middle(far);
-    let around = run
-        .map(count, |j| gather(distinct, (j * stride, widest * MARGIN * weight.reach()), weight, &factors))?;
-    let radii: Vec<f64> = counts
-        .iter()
-        .map(|&k| {
-            middle(
-                around
-                    .iter()
-                    .map(|(_, squares)| squares.get(k).map_or(f64::INFINITY, |s: &f64| s.sqrt()))
-                    .collect(),
-            )
-        })
-        .collect();
+    let reach = median(far) * MARGIN * weight.reach();
+    let around = run.map(count, |j| gather(distinct, (j * stride, reach), weight, &factors))?;
+    let radius = |&k: &usize| {
+        let distance = |squares: &Vec<f64>| squares.get(k).map_or(f64::INFINITY, |square| square.sqrt());
+        median(around.iter().map(|(_, squares)| distance(squares)).collect())
+    };
+    let radii: Vec<f64> = counts.iter().map(radius).collect();
     let levels: Vec<Level> = radii.iter().flat_map(|&h| DEGREES.map(|degree| Level { h, degree })).collect();
-    // The pilot: the narrowest radius at which as many samples find the surface as anywhere, or nearly all: two sheets found at a
-    // narrow radius may be one at a wide one.
+    // The pilot: the narrowest radius at which as many samples find the surface as anywhere, or nearly all: two
+    // sheets found at a narrow radius may be one at a wide one.
     let pilots: Vec<usize> = PILOTS.into_iter().filter(|&k| k < radii.len()).collect();
     let shares = pilots
         .iter()
@@ -131,23 +122,24 @@ fn choose<const D: usize>(
     else {
         return Ok(Vec::new());
     };
-    let degree = if pilot < 6 { 0 } else { 2 };
+    let degree = if pilot < FIRST_WIDE { 0 } else { 2 };
     let feet: Vec<Option<Foot<D>>> = run.map(count, |j| {
         let at = Level { h: radii[pilot], degree };
         around[j].0.project([0.0; D], at).or_else(|| around[j].0.project([0.0; D], Level { degree: 0, ..at }))
     })?;
-    let kept: Vec<usize> = (0..count).filter(|&j| feet[j].is_some()).collect();
-    let evidence: Vec<Vec<Evidence<D>>> = run.map(kept.len(), |i| {
-        let j = kept[i];
-        let Some(foot) = &feet[j] else { return Vec::new() };
-        radii.iter().flat_map(|&h| around[j].0.evidence(foot, h, &DEGREES)).collect()
+    let known: Vec<(&Around<D>, Foot<D>)> =
+        around.iter().zip(feet).filter_map(|((around, _), foot)| Some((around, foot?))).collect();
+    let evidence: Vec<Vec<Evidence<D>>> = run.map(known.len(), |i| {
+        let (around, foot) = &known[i];
+        radii.iter().flat_map(|&h| around.evidence(foot, h, &DEGREES)).collect()
     })?;
     let ladder = Ladder { levels: &levels, neighbours: &neighbours, degrees: DEGREES.len(), samples: all };
+    let judge = Judge::new(&ladder, &evidence);
     let unit = distinct.unit;
     Ok([Aim::Normals, Aim::Positions, Aim::Curvatures]
         .into_iter()
         .filter_map(|aim| {
-            let (level, risk) = select(&ladder, &evidence, aim)?;
+            let (level, risk) = judge.select(aim)?;
             let scale = match aim {
                 Aim::Normals => 1.0,
                 Aim::Positions => unit,
@@ -180,18 +172,11 @@ fn gather<const D: usize>(
     for (square, i, way) in found {
         parts[part(i)].push(Near { way, square, factor: factors[i] });
     }
-    (Around { parts, weight }, squares)
+    (Around { parts, definition: Definition::new().with_weight(weight) }, squares)
 }
 
-/// The part that a distinct point is dealt to: by its place in the order of coordinates, mixed, so that rows are in all parts.
+/// The part that a distinct point is dealt to: by its place in the order of coordinates, mixed, so that rows of
+/// samples are in all parts.
 fn part(place: usize) -> usize {
-    let mut z = (place as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) % PARTS as u64) as usize
-}
-
-fn middle(mut values: Vec<f64>) -> f64 {
-    let half = values.len() / 2;
-    *values.select_nth_unstable_by(half, f64::total_cmp).1
+    (Random::new(place as u64).bits() % PARTS as u64) as usize
 }

@@ -1,4 +1,5 @@
-//! Moments of the samples around a position over a plane through it: all that the fits of degree 0 to 3 and their gradients need.
+//! Moments of the samples around a position over a plane through it: all that the fits of degree 0 to 3 and their
+//! gradients need.
 //!
 //! They are sums, so that the moments of a cloud without a part of it are those of the whole less those of the part.
 
@@ -18,8 +19,8 @@ pub(super) struct Near<const D: usize> {
     pub(super) factor: f64,
 }
 
-/// Where sums over θ begin: plain up to degree 6, with z up to 5, with z² up to 2; over ψ: plain up to 7, with z up to 6,
-/// with z² up to 3, with z³. Curves need fewer of each.
+/// Where sums over θ begin: plain up to degree 6, with z up to 5, with z² up to 2; over ψ: plain up to 7, with z
+/// up to 6, with z² up to 3, with z³. Curves need fewer of each.
 const HEIGHTS: usize = 28;
 const SQUARES: usize = HEIGHTS + 21;
 const SLOPES: usize = SQUARES + 6;
@@ -31,7 +32,8 @@ const ALL: usize = SLOPE_CUBE + 1;
 /// The monomials of degree 7 in two coordinates.
 const HIGHEST: usize = 36;
 
-/// Σθ sᵃtᵇzᶜ and Σψ sᵃtᵇzᶜ, lengths in units of the level's radius; s and t run along the plane and z across it.
+/// Σθ sᵃtᵇzᶜ and Σψ sᵃtᵇzᶜ, lengths in units of the level's radius; s and t run along the plane and z across
+/// it.
 #[derive(Clone, Debug)]
 pub(super) struct Moments([f64; ALL]);
 

@@ -3,9 +3,10 @@
 use super::fit::{Fitted, fit, in_space};
 use super::moments::{FrameMoments, Moments, Near};
 use crate::algebra::{add_scaled, dot, length, scale};
+use crate::definition::Definition;
 use crate::eigen::smallest;
 use crate::polynomial::Plane;
-use crate::weight::{Kernel, Weight, with_kernel};
+use crate::weight::{Kernel, with_kernel};
 
 /// Parts that the samples are dealt to: each replica of the jackknife lacks one.
 pub(super) const PARTS: usize = 5;
@@ -27,7 +28,8 @@ pub(super) struct Level {
 /// A sample's neighbours, dealt to the parts, each part by distance; ways are from the sample.
 pub(super) struct Around<const D: usize> {
     pub(super) parts: [Vec<Near<D>>; PARTS],
-    pub(super) weight: Weight,
+    /// Of degree 0 by this weight: its rule decides what is surface.
+    pub(super) definition: Definition,
 }
 
 /// A point of the surface near a probe, as its way from the probe's sample.
@@ -55,7 +57,7 @@ pub(super) struct Evidence<const D: usize> {
 
 impl<const D: usize> Around<D> {
     fn lists(&self, (at, h): ([f64; D], f64)) -> [&[Near<D>]; PARTS] {
-        let reach = h * self.weight.reach() + length(at);
+        let reach = h * self.definition.weight().reach() + length(at);
         let square = reach * reach;
         self.parts.each_ref().map(|part| &part[..part.partition_point(|near| near.square < square)])
     }
@@ -83,7 +85,7 @@ impl<const D: usize> Around<D> {
 
     /// Follows n from a place to the surface of a level; None where that is not found or not accepted.
     pub(super) fn project(&self, from: [f64; D], level: Level) -> Option<Foot<D>> {
-        with_kernel!(self.weight, kernel => self.project_with(kernel, from, level))
+        with_kernel!(self.definition.weight(), kernel => self.project_with(kernel, from, level))
     }
 
     fn project_with<K: Kernel>(&self, kernel: K, from: [f64; D], level: Level) -> Option<Foot<D>> {
@@ -115,7 +117,7 @@ impl<const D: usize> Around<D> {
                 at = add_scaled(at, n, -pace * fitted.value * level.h);
                 continue;
             }
-            let accepted = fitted.is_accepted(self.weight.boundary_limit());
+            let accepted = fitted.is_accepted(&self.definition);
             let normal = in_space(scale(fitted.gradient, 1.0 / length(fitted.gradient)), &axes);
             return accepted.then_some(Foot { way: at, normal });
         }
@@ -124,7 +126,7 @@ impl<const D: usize> Around<D> {
 
     /// What the levels of one radius say at a foot of the pilot's, in the order of `degrees`.
     pub(super) fn evidence(&self, foot: &Foot<D>, h: f64, degrees: &[u8]) -> Vec<Evidence<D>> {
-        with_kernel!(self.weight, kernel => self.evidence_with(kernel, foot, h, degrees))
+        with_kernel!(self.definition.weight(), kernel => self.evidence_with(kernel, foot, h, degrees))
     }
 
     fn evidence_with<K: Kernel>(
@@ -150,7 +152,7 @@ impl<const D: usize> Around<D> {
                     0 => fit(&whole, degree),
                     _ => fit(&whole.without(&parts[copy - 1]), degree),
                 };
-                evidence.take(copy, fitted.as_ref(), (foot, h, &axes), self.weight.boundary_limit());
+                evidence.take(copy, fitted.as_ref(), (foot, h, &axes), &self.definition);
             }
             // SPEC § 8 judges zeros: where this level's lies elsewhere it is sought.
             evidence.found = (evidence.accepted && evidence.heights[0].abs() < NEAR_ENOUGH * h)
@@ -181,7 +183,7 @@ impl<const D: usize> Evidence<D> {
         copy: usize,
         fitted: Option<&Fitted<D>>,
         (foot, h, axes): (&Foot<D>, f64, &[[f64; D]; D]),
-        boundary_limit: f64,
+        definition: &Definition,
     ) {
         let Some(fitted) = fitted else {
             self.accepted = false;
@@ -192,6 +194,6 @@ impl<const D: usize> Evidence<D> {
         self.heights[copy] = side * fitted.way() * h;
         self.normals[copy] = scale(unit, side);
         self.bends[copy] = side * fitted.bend / h;
-        self.accepted &= fitted.is_accepted(boundary_limit) && self.heights[copy].is_finite();
+        self.accepted &= fitted.is_accepted(definition) && self.heights[copy].is_finite();
     }
 }

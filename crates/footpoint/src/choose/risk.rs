@@ -23,8 +23,8 @@ const NOISIER: f64 = 10.0;
 /// Bias counts beyond so many of its standard deviations.
 const EVIDENT: f64 = 1.5;
 
-/// How the squares of an aim are averaged: without their largest share, and what that does to χ² of one square (of as many
-/// degrees of freedom as the answer has) and of the jackknife's sum of four.
+/// How the squares of an aim are averaged: without their largest share, and what that does to χ² of one square
+/// (of as many degrees of freedom as the answer has) and of the jackknife's sum of four.
 struct Trim {
     share: f64,
     one: f64,
@@ -70,75 +70,93 @@ fn jackknife<const D: usize>(answers: &[[f64; D]; COPIES]) -> f64 {
     (PARTS - 1) as f64 / PARTS as f64 * squares.sum::<f64>()
 }
 
-/// The level of least estimated error for an aim, and that error squared.
-pub(super) fn select<const D: usize>(
-    ladder: &Ladder<'_>,
-    probes: &[Vec<Evidence<D>>],
-    aim: Aim,
-) -> Option<(usize, f64)> {
-    let levels = ladder.levels.len();
-    let found = apart(ladder, probes);
-    let base: Vec<bool> = probes.iter().map(|probe| is_base(ladder, probe)).collect();
-    let of_base = base.iter().filter(|b| **b).count();
-    let share = |level: usize| {
-        let count = |is: &dyn Fn(usize) -> bool| (0..probes.len()).filter(|&i| base[i] && is(i)).count();
-        let accepted = count(&|i| probes[i][level].accepted);
-        let found = count(&|i| found[level][i]);
-        (accepted.min(found) as f64 / of_base as f64, accepted)
-    };
-    let shares: Vec<(f64, usize)> = (0..levels).map(share).collect();
-    let best = shares.iter().map(|s| s.0).fold(0.0, f64::max);
-    let few = 30.min(probes.len());
-    let curved = |level: usize| aim != Aim::Curvatures || ladder.levels[level].degree > 1;
-    let good: Vec<usize> = (0..levels)
-        .filter(|&l| curved(l) && shares[l].0 >= best - LESS_FOUND && shares[l].1 >= few)
-        .collect();
-    let trim = Trim::of::<D>(aim);
-    let copies = |i: usize, level: usize| -> [[f64; D]; COPIES] {
-        std::array::from_fn(|copy| answer(&probes[i][level], copy, aim))
-    };
-    let variance: Vec<f64> = (0..levels)
-        .map(|l| {
-            if !good.contains(&l) {
-                return f64::INFINITY;
-            }
-            let rows = (0..probes.len()).filter(|&i| base[i] && probes[i][l].accepted);
-            trim.mean(rows.map(|i| jackknife(&copies(i, l))).collect()) / trim.four
-        })
-        .collect();
-    let class = |l: usize| ladder.levels[l].degree.min(2) / 2;
-    let bias = |l: usize| {
-        let may_judge = |r: &&usize| {
-            **r != l
-                && ladder.levels[**r].h <= ladder.levels[l].h
-                && class(**r) >= class(l)
-                && (variance[**r] >= variance[l] || class(**r) > class(l))
-                && variance[**r] <= NOISIER * variance[l]
+/// The probes' evidence, with what is the same for all aims.
+pub(super) struct Judge<'l, const D: usize> {
+    ladder: &'l Ladder<'l>,
+    probes: &'l [Vec<Evidence<D>>],
+    /// The probes that count.
+    base: Vec<bool>,
+    /// By level: the share of these that find the surface, and how many know it in all copies.
+    shares: Vec<(f64, usize)>,
+}
+
+impl<'l, const D: usize> Judge<'l, D> {
+    pub(super) fn new(ladder: &'l Ladder<'l>, probes: &'l [Vec<Evidence<D>>]) -> Self {
+        let found = apart(ladder, probes);
+        let base: Vec<bool> = probes.iter().map(|probe| is_base(ladder, probe)).collect();
+        let of_base = base.iter().filter(|b| **b).count();
+        let share = |level: usize| {
+            let count = |is: &dyn Fn(usize) -> bool| (0..probes.len()).filter(|&i| base[i] && is(i)).count();
+            let accepted = count(&|i| probes[i][level].accepted);
+            let found = count(&|i| found[level][i]);
+            (accepted.min(found) as f64 / of_base as f64, accepted)
         };
-        let against = |&r: &usize| {
-            let rows: Vec<usize> = (0..probes.len())
-                .filter(|&i| base[i] && probes[i][l].accepted && probes[i][r].accepted)
-                .collect();
-            if rows.is_empty() {
-                return 0.0;
-            }
-            let difference = |&i: &usize| {
-                let (a, b) = (copies(i, l), copies(i, r));
-                let way: [[f64; D]; COPIES] =
-                    std::array::from_fn(|c| std::array::from_fn(|k| a[c][k] - b[c][k]));
-                (way[0].iter().map(|c| c * c).sum::<f64>(), jackknife(&way))
+        let shares = (0..ladder.levels.len()).map(share).collect();
+        Self { ladder, probes, base, shares }
+    }
+
+    /// The levels that find enough of the surface, and give what is asked for.
+    fn candidates(&self, aim: Aim) -> Vec<usize> {
+        let Self { ladder, probes, shares, .. } = self;
+        let best = shares.iter().map(|s| s.0).fold(0.0, f64::max);
+        let few = 30.min(probes.len());
+        let gives = |level: usize| aim != Aim::Curvatures || ladder.levels[level].degree > 1;
+        let is_good = |&l: &usize| gives(l) && shares[l].0 >= best - LESS_FOUND && shares[l].1 >= few;
+        (0..shares.len()).filter(is_good).collect()
+    }
+
+    /// The level of least estimated error for an aim, and that error squared.
+    pub(super) fn select(&self, aim: Aim) -> Option<(usize, f64)> {
+        let Self { ladder, probes, base, .. } = self;
+        let levels = ladder.levels.len();
+        let good = self.candidates(aim);
+        let trim = Trim::of::<D>(aim);
+        let copies = |i: usize, level: usize| -> [[f64; D]; COPIES] {
+            std::array::from_fn(|copy| answer(&probes[i][level], copy, aim))
+        };
+        let variance: Vec<f64> = (0..levels)
+            .map(|l| {
+                if !good.contains(&l) {
+                    return f64::INFINITY;
+                }
+                let rows = (0..probes.len()).filter(|&i| base[i] && probes[i][l].accepted);
+                trim.mean(rows.map(|i| jackknife(&copies(i, l))).collect()) / trim.four
+            })
+            .collect();
+        let class = |l: usize| ladder.levels[l].degree.min(2) / 2;
+        let bias = |l: usize| {
+            let may_judge = |r: &&usize| {
+                **r != l
+                    && ladder.levels[**r].h <= ladder.levels[l].h
+                    && class(**r) >= class(l)
+                    && (variance[**r] >= variance[l] || class(**r) > class(l))
+                    && variance[**r] <= NOISIER * variance[l]
             };
-            let both: Vec<(f64, f64)> = rows.iter().map(difference).collect();
-            let square = trim.mean(both.iter().map(|d| d.0).collect()) / trim.one;
-            let by_noise = trim.mean(both.iter().map(|d| d.1).collect()) / trim.four;
-            let neighbours = ladder.neighbours[r / ladder.degrees];
-            let apart = (rows.len() as f64).min((ladder.samples as f64 / (2.3 * neighbours)).max(4.0));
-            square - by_noise - EVIDENT * by_noise * (2.0 / (trim.freedom * apart) + 0.01).sqrt()
+            let against = |&r: &usize| {
+                let rows: Vec<usize> = (0..probes.len())
+                    .filter(|&i| base[i] && probes[i][l].accepted && probes[i][r].accepted)
+                    .collect();
+                if rows.is_empty() {
+                    return 0.0;
+                }
+                let difference = |&i: &usize| {
+                    let (a, b) = (copies(i, l), copies(i, r));
+                    let way: [[f64; D]; COPIES] =
+                        std::array::from_fn(|c| std::array::from_fn(|k| a[c][k] - b[c][k]));
+                    (way[0].iter().map(|c| c * c).sum::<f64>(), jackknife(&way))
+                };
+                let both: Vec<(f64, f64)> = rows.iter().map(difference).collect();
+                let square = trim.mean(both.iter().map(|d| d.0).collect()) / trim.one;
+                let by_noise = trim.mean(both.iter().map(|d| d.1).collect()) / trim.four;
+                let neighbours = ladder.neighbours[r / ladder.degrees];
+                let apart = (rows.len() as f64).min((ladder.samples as f64 / (2.3 * neighbours)).max(4.0));
+                square - by_noise - EVIDENT * by_noise * (2.0 / (trim.freedom * apart) + 0.01).sqrt()
+            };
+            good.iter().filter(may_judge).map(against).fold(0.0, f64::max)
         };
-        good.iter().filter(may_judge).map(against).fold(0.0, f64::max)
-    };
-    let risks = good.iter().map(|&l| (l, variance[l] + bias(l))).filter(|r| !r.1.is_nan());
-    risks.min_by(|a, b| a.1.total_cmp(&b.1))
+        let risks = good.iter().map(|&l| (l, variance[l] + bias(l))).filter(|r| !r.1.is_nan());
+        risks.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
 }
 
 /// The probes that every narrow level of degree 0 nearly knows.
@@ -150,8 +168,8 @@ fn is_base<const D: usize>(ladder: &Ladder<'_>, probe: &[Evidence<D>]) -> bool {
     accepted.iter().filter(|a| **a).count() as f64 >= 0.6 * accepted.len() as f64
 }
 
-/// Which probes find the surface, by level: once the radius has settled, a probe that loses it at two radii in a row has met another
-/// sheet and is lost for all wider ones, though these may find one between the two.
+/// Which probes find the surface, by level: once the radius has settled, a probe that loses it at two radii in a
+/// row has met another sheet and is lost for all wider ones, though these may find one between the two.
 fn apart<const D: usize>(ladder: &Ladder<'_>, probes: &[Vec<Evidence<D>>]) -> Vec<Vec<bool>> {
     let mut found: Vec<Vec<bool>> =
         (0..ladder.levels.len()).map(|l| probes.iter().map(|p| p[l].found).collect()).collect();

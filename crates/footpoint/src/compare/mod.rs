@@ -9,7 +9,7 @@ use crate::definition::{Definition, Error};
 use crate::queries::Queries;
 use crate::run::{Cancelled, Progress, Run};
 use crate::status::Status;
-use crate::support::{Support, SupportError, radii_of};
+use crate::support::{Support, radii_of};
 use pair::Known;
 pub use pair::Pair;
 use student::widening;
@@ -52,6 +52,16 @@ pub enum CompareError {
     /// The comparison was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl CompareError {
+    /// Why one of the clouds, which `whose` names, has no surface.
+    fn of(problem: Error, whose: impl Fn(Error) -> Self) -> Self {
+        match problem {
+            Error::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            problem => whose(problem),
+        }
+    }
 }
 
 /// Distances between two surfaces, one row a query, in the order of the queries.
@@ -178,11 +188,9 @@ impl Comparison {
         }
         let mut numbers = self.effective_neighbours.clone();
         numbers.sort_by(|a, b| b.total_cmp(a));
-        match radii_of(earlier, definition.weight(), &numbers, run) {
-            Ok(radii) => Ok(radii.into_iter().map(Support::Uniform).collect()),
-            Err(SupportError::Cancelled(cancelled)) => Err(cancelled.into()),
-            Err(problem) => Err(CompareError::Earlier(problem.into())),
-        }
+        let radii = radii_of(earlier, definition.weight(), &numbers, run)
+            .map_err(|problem| CompareError::of(problem.into(), CompareError::Earlier))?;
+        Ok(radii.into_iter().map(Support::Uniform).collect())
     }
 }
 

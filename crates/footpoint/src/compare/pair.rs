@@ -4,7 +4,7 @@ use super::{CompareError, widening};
 use crate::algebra::dot;
 use crate::cloud::Cloud;
 use crate::columns::Numbers;
-use crate::definition::{Definition, Error};
+use crate::definition::Definition;
 use crate::evaluator::Wanted;
 use crate::project::Project;
 use crate::queries::{Grouped, Queries};
@@ -39,19 +39,15 @@ impl<const D: usize> Pair<D> {
         definition: Definition,
         run: &Run<'_>,
     ) -> Result<Self, CompareError> {
-        let earlier = Surface::build(earlier, definition, run).map_err(|problem| match problem {
-            Error::Cancelled(cancelled) => CompareError::Cancelled(cancelled),
-            problem => CompareError::Earlier(problem),
-        })?;
+        let earlier = Surface::build(earlier, definition, run)
+            .map_err(|problem| CompareError::of(problem, CompareError::Earlier))?;
         let support = earlier.support();
         let has_column = later.supports().is_some();
         let one = support.uniform || (definition.support() == Support::FromSamples && !has_column);
         let definition =
             if one { definition.with_support(Support::Uniform(support.median)) } else { definition };
-        let later = Surface::build(later, definition, run).map_err(|problem| match problem {
-            Error::Cancelled(cancelled) => CompareError::Cancelled(cancelled),
-            problem => CompareError::Later(problem),
-        })?;
+        let later = Surface::build(later, definition, run)
+            .map_err(|problem| CompareError::of(problem, CompareError::Later))?;
         Ok(Self { earlier, later })
     }
 }

@@ -110,8 +110,8 @@ pub struct Projections<const D: usize> {
     pub residual: Vec<f64>,
     /// Evaluations of f spent; of the energy and its derivatives for Levin's operator.
     pub evaluations: Vec<u32>,
-    /// What became of the point. A sample of the surface's own cloud whose foot point lies farther off than the sample's support
-    /// reaches is *outside*: it does not belong to the surface there.
+    /// What became of the point. A sample of the surface's own cloud whose foot point lies farther off than the
+    /// sample's support reaches is *outside*: it does not belong to the surface there.
     pub status: Vec<Status>,
 }
 

@@ -171,17 +171,10 @@ impl<'c, const D: usize> Prober<'c, D> {
         (weight, spread): (Weight, Spread),
         run: &Run<'_>,
     ) -> Result<Self, Cancelled> {
-        let factors = distinct.groups().map(|samples| {
-            let mut each: Vec<f64> =
-                samples.iter().map(|&i| cloud.factors().map_or(1.0, |factors| factors[i as usize])).collect();
-            // The sum must not depend on the order of the input.
-            each.sort_unstable_by(f64::total_cmp);
-            each.iter().sum()
-        });
         let stride = distinct.len().div_ceil(SELECTION);
         let count = (MIDDLE / weight.effective_share(D)).ceil() as usize;
         let middle = median(distinct.distances(count, stride, run)?) / distinct.unit;
-        Ok(Self { distinct, weight, spread, factors: factors.collect(), middle })
+        Ok(Self { distinct, weight, spread, factors: distinct.factors(cloud), middle })
     }
 
     /// Whether there are as many points as the level asks for.

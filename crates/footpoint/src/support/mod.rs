@@ -242,7 +242,7 @@ pub fn spacing<const D: usize>(cloud: &Cloud<D>, run: &Run<'_>) -> Option<f64> {
 }
 
 /// NaN for no value.
-fn median(mut values: Vec<f64>) -> f64 {
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() { f64::NAN } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }

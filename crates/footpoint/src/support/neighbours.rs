@@ -70,6 +70,18 @@ impl<const D: usize> Distinct<D> {
         self.begins.iter().zip(ends).map(|(&begin, end)| &self.order[begin..end])
     }
 
+    /// Sum of the factors of the samples at each distinct point.
+    pub(crate) fn factors(&self, cloud: &Cloud<D>) -> Vec<f64> {
+        let sum = |samples: &[u32]| {
+            let mut each: Vec<f64> =
+                samples.iter().map(|&i| cloud.factors().map_or(1.0, |factors| factors[i as usize])).collect();
+            // The sum must not depend on the order of the input.
+            each.sort_unstable_by(f64::total_cmp);
+            each.iter().sum()
+        };
+        self.groups().map(sum).collect()
+    }
+
     /// Distance to the k-th distinct neighbour, for every `stride`-th distinct point, in the unit of the coordinates.
     pub(crate) fn distances(&self, k: usize, stride: usize, run: &Run<'_>) -> Result<Vec<f64>, Cancelled> {
         run.map(self.len().div_ceil(stride), |j| self.distance(self.points[j * stride], k) * self.unit)
